@@ -1,11 +1,12 @@
-"""Datasets that `vb-harness dataset` writes, as numpy arrays.
+"""Reader for the datasets of `vb-harness dataset`, with NumPy arrays.
 
 >>> from vertibench import datasets
 >>> train, held_out = datasets.open("explore").split(train=0.8, seed=0)
 >>> for episode, frames in zip(train.episodes, train):
 ...     print(episode.world, episode.outcome, frames["observation.state"].shape)
 
-Units are SI and angles radians. docs/datasets.md of the repository describes the files and their columns.
+Units are SI and angles radians. World axes are x east, y north, z up; body axes are x forward, y left, z up.
+docs/datasets.md of the repository describes the files and their columns.
 """
 
 from ._dataset import Column, Dataset, Episode, Info, open

@@ -1,4 +1,4 @@
-"""`python -m vertibench.datasets`: converts datasets."""
+"""`python -m vertibench.datasets`: conversion of datasets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,14 @@ from . import DatasetError, open, to_minari
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the arguments say; the exit code: 0 done, 3 the dataset can't be used or written."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code: 0, or 3 if the dataset can't be read or written.
+    """
     parser = argparse.ArgumentParser("python -m vertibench.datasets", description="Convert datasets of vb-harness.")
     commands = parser.add_subparsers(dest="command", required=True)
     minari = commands.add_parser(

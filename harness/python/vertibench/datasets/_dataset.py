@@ -1,4 +1,4 @@
-"""Reading a dataset: what is said of it, its episodes, its frames."""
+"""Reader for datasets: provenance, episodes and frames."""
 
 from __future__ import annotations
 
@@ -17,81 +17,131 @@ try:
     import pyarrow as pa
     import pyarrow.parquet as pq
 except ImportError:
-    # `open` says so: who wants environments only needs none.
+    # `open` reports it; environments don't need pyarrow.
     pa = pq = None
 
 from ._errors import DatasetError
 from ._world import World, read_world
 
-#: The version of `dataset.json` that this package reads.
+#: Supported version of `dataset.json`.
 SCHEMA = 1
-#: Endings of names, and their units.
+#: Units by suffix of a name.
 _UNITS = {"_m_per_s": "m/s", "_rad_per_s": "rad/s", "_rad": "rad", "_m": "m", "_N": "N"}
-#: Units of columns whose entries have no names.
+#: Units of columns without names of entries.
 _COLUMN_UNITS = {"observation.height_crop": "m", "timestamp": "s"}
 
 
 @dataclass(frozen=True)
 class Info:
-    """What a dataset says of itself, in `dataset.json`."""
+    """Provenance of a dataset, from `dataset.json`.
+
+    Attributes:
+        name: Dataset name.
+        kind: `explore`, `drive`, `teleop`, `failures`, `merged` or `split`.
+        licence: SPDX identifier of the licence.
+        harness_version: Version of the harness.
+        seed: Random seed.
+        hz: Frames per second.
+        vehicle: Vehicle name.
+        perception: Name of the perception profile.
+        rules: Name of the rules.
+        soils: Name of the soil set.
+        scale: Factor on all lengths of the worlds.
+        of_a_suite: Whether planners are judged on its worlds. Such a dataset must not be used for training.
+        hash: SHA-256 of the file `SHA256SUMS`; equal hashes mean equal files.
+        header: Whole content of `dataset.json`.
+    """
 
     name: str
-    kind: str  #: `explore`, `drive`, `teleop`, `failures`, `merged` or `split`
-    licence: str  #: as SPDX names it
+    kind: str
+    licence: str
     harness_version: str
     seed: int
-    hz: int  #: frames a second
+    hz: int
     vehicle: str
-    perception: str  #: the perception profile
+    perception: str
     rules: str
     soils: str
-    scale: float  #: the factor on every length of the worlds
-    of_a_suite: bool  #: whether planners are judged on its worlds: then nothing may be trained on it
-    hash: str  #: SHA-256 of the file `SHA256SUMS`: the same for the same bytes
-    header: dict[str, Any]  #: all of `dataset.json`
+    scale: float
+    of_a_suite: bool
+    hash: str
+    header: dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Episode:
-    """What is said of an episode: a row of `meta/episodes`."""
+    """Description of an episode, from `meta/episodes`.
 
-    index: int  #: its number in the dataset on disk
-    length: int  #: frames
-    instruction: str  #: the task in words
-    drive: int  #: the place among all drives of the command; those that weren't kept are missing
+    Attributes:
+        index: Number of the episode in the dataset on disk, from 0.
+        length: Number of frames.
+        instruction: The task as text.
+        drive: Index among all drives of the command; drives that were not kept are skipped.
+        driver: Planner, person or exploration that drove.
+        world: World id, for `Dataset.world`.
+        world_hash: Content hash of the world.
+        task: Task name, e.g. `w003/t07`; empty for exploration.
+        elevation: Elevation level of the world.
+        terrain: Terrain type of the world.
+        density: Obstacle density of the world.
+        ground: Terrain class under the vehicle at the end.
+        outcome: `success`, `rollover`, `stuck`, `timeout`, `out_of_bounds`, ...
+        reason: Reason of the end, as text.
+        cause: Cause of a rollover or stuck end; empty except in datasets of failures.
+        time_s: Duration, s.
+        distance_m: Length of the trajectory, m.
+        start: Start: x and y, m; heading, rad.
+        goal: Goal: x and y, m; those of the start if there is no goal.
+        state_hash: Hash of the simulation states; empty for a part of an episode.
+        origin: Source of a partial or merged episode.
+    """
+
+    index: int
+    length: int
+    instruction: str
+    drive: int
     driver: str
-    world: str  #: name of its world, for `Dataset.world`
+    world: str
     world_hash: str
-    task: str  #: e.g. `w003/t07`; empty for exploration
+    task: str
     elevation: str
     terrain: str
     density: str
-    ground: str  #: kind of ground under the vehicle at the end
-    outcome: str  #: `success`, `rollover`, `stuck`, `timeout`, `out_of_bounds`, …
-    reason: str  #: why it ended, in words
-    cause: str  #: of a rollover or of getting stuck, in datasets of failures
+    ground: str
+    outcome: str
+    reason: str
+    cause: str
     time_s: float
     distance_m: float
-    start: tuple[float, ...]  #: x and y, m; heading, rad
-    goal: tuple[float, ...]  #: x and y, m; where it started if there is none
+    start: tuple[float, ...]
+    goal: tuple[float, ...]
     state_hash: str
-    origin: str  #: where a part of an episode comes from
+    origin: str
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the frames."""
+    """Column of the frames.
+
+    Attributes:
+        name: Column name, e.g. `observation.state`.
+        dtype: NumPy data type.
+        shape: Shape of one frame's value; `()` for a number.
+        names: Names of the entries of a vector; empty for numbers and grids.
+        units: Units of the entries, or one unit of the whole value if they have no names; an empty text means
+            dimensionless.
+    """
 
     name: str
     dtype: np.dtype
-    shape: tuple[int, ...]  #: of one frame's value: `()` for a number
-    names: tuple[str, ...]  #: of a vector's entries; none for grids
-    units: tuple[str, ...]  #: of these entries, or of the whole where they have no names; empty text: a bare number
+    shape: tuple[int, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class _Place:
-    """Where an episode's frames are: the data file, and the rows in it."""
+    """Location of an episode's frames: data file and rows."""
 
     file: Path
     start: int
@@ -99,9 +149,23 @@ class _Place:
 
 
 def open(directory: str | PathLike[str]) -> Dataset:  # noqa: A001 - used as `datasets.open`
-    """Opens a finished dataset. Only what tells of the episodes is read; frames are read when they are asked for.
+    """Opens a complete dataset.
 
-    Raises `DatasetError` if there is none, it isn't finished, it is of a newer version, or it is damaged.
+    Only the descriptions of the episodes are read; frames are read on access.
+
+    Args:
+        directory: Output directory of `vb-harness dataset`.
+
+    Returns:
+        The dataset.
+
+    Raises:
+        DatasetError: If there is no dataset, it is incomplete, of another version or damaged, or pyarrow is not
+            installed.
+
+    Example:
+        >>> dataset = datasets.open("explore")
+        >>> frames = dataset[0]
     """
     folder = Path(directory)
     if pq is None:
@@ -145,27 +209,34 @@ _AGAIN = "the file is truncated or damaged: make or fetch the dataset again"
 
 
 class Dataset(Sequence):
-    """Episodes of driving. `dataset[i]` has the frames of the episode `dataset.episodes[i]`, and iterating goes through
-    all of them, with one data file in memory at a time. `dataset[i:j]` is the part with these episodes. `in`, `index` and
-    `count` look for an `Episode`."""
+    """Sequence of episodes. `datasets.open` returns it.
+
+    `dataset[i]` reads the frames of `dataset.episodes[i]` (see `frames`), and `dataset[i:j]` is a dataset with these
+    episodes. Iteration reads the frames of all episodes, with one data file in memory at a time. `in`, `index` and
+    `count` compare with `Episode`s.
+
+    Attributes:
+        folder: Directory of the dataset.
+        info: Provenance (`Info`).
+        columns: Columns of the frames (`Column`), by name.
+        episodes: Descriptions (`Episode`) of the episodes, a tuple.
+    """
 
     def __init__(
         self, folder: Path, info: Info, columns: dict[str, Column], episodes: Sequence[Episode], places: Sequence[_Place]
     ):
         self.folder = folder
         self.info = info
-        #: The columns of the frames, by name.
         self.columns = columns
-        #: What is said of each episode.
         self.episodes = tuple(episodes)
         self._places = tuple(places)
         self._worlds: dict[str, World] = {}
-        # The data file that was read last, and its columns.
+        # The last data file, and its columns that are in memory.
         self._file: Path | None = None
         self._loaded: dict[str, np.ndarray] = {}
 
     def __len__(self) -> int:
-        """The number of episodes."""
+        """Returns the number of episodes."""
         return len(self.episodes)
 
     @overload
@@ -183,11 +254,30 @@ class Dataset(Sequence):
         return isinstance(episode, Episode) and episode in self.episodes
 
     def index(self, episode: Any, start: int = 0, stop: int | None = None) -> int:
-        """The place of an episode. Raises `ValueError` if it is none of them."""
+        """Returns the position of an episode.
+
+        Args:
+            episode: The episode.
+            start: First position to search; default 0.
+            stop: Position after the last one to search. None (default): the end.
+
+        Returns:
+            The position, from 0.
+
+        Raises:
+            ValueError: If the episode is not found.
+        """
         return self.episodes.index(episode, start, len(self) if stop is None else stop)
 
     def count(self, episode: Any) -> int:
-        """1 for one of the episodes, else 0."""
+        """Returns how often an episode occurs.
+
+        Args:
+            episode: The episode.
+
+        Returns:
+            1 or 0.
+        """
         return self.episodes.count(episode)
 
     def __iter__(self) -> Iterator[dict[str, np.ndarray]]:
@@ -198,8 +288,19 @@ class Dataset(Sequence):
         return f"<Dataset {self.info.name}: {len(self)} episodes, {frames} frames at {self.info.hz} Hz>"
 
     def frames(self, episode: int | Episode, columns: str | Sequence[str] | None = None) -> dict[str, np.ndarray]:
-        """The frames of an episode – one of `episodes`, or its place among them: an array for each column, or for those
-        that `columns` names, with the frames along its first axis. One column may be given by its name alone."""
+        """Reads the frames of an episode.
+
+        Args:
+            episode: One of `episodes`, or its position among them; negative positions count from the end.
+            columns: Name or names of the columns to read. None (default): all.
+
+        Returns:
+            An array per column name, with the frames along the first axis: shape (frames, *column.shape).
+
+        Raises:
+            IndexError: If there is no such position.
+            DatasetError: If the episode is not in this dataset, a column doesn't exist, or a file is damaged.
+        """
         if isinstance(episode, Episode):
             if episode not in self.episodes:
                 raise DatasetError(self.folder, f"episode {episode.index} is not in this part", "give one of `episodes`")
@@ -219,8 +320,24 @@ class Dataset(Sequence):
     def pairs(
         self, seconds: float, columns: str | Sequence[str] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """All pairs of frames of the same episode that are so many seconds apart: the earlier and the later ones, each as
-        `frames` has them. They are all in memory at once; `columns` says which are needed."""
+        """Reads all pairs of frames of the same episode with a fixed distance in time.
+
+        All pairs are in memory at once; choose `columns` to save memory.
+
+        Args:
+            seconds: Distance in time, s, a positive multiple of 1 / `info.hz`.
+            columns: Name or names of the columns to read. None (default): all.
+
+        Returns:
+            The earlier and the later frames, each with an array per column name. Row k of both belongs to the same
+            pair.
+
+        Raises:
+            DatasetError: If the distance is no positive multiple, a column doesn't exist, or a file is damaged.
+
+        Example:
+            >>> now, later = dataset.pairs(seconds=0.5, columns=["observation.state", "action"])
+        """
         try:
             steps = round(seconds * self.info.hz)
             is_whole = abs(steps - seconds * self.info.hz) <= 1e-6
@@ -241,8 +358,17 @@ class Dataset(Sequence):
         return earlier, later
 
     def world(self, id: str) -> World:
-        """The world of this name (`episode.world`), at the scale of the dataset, so that places in frames are places in
-        it."""
+        """Reads a world, in the scaled lengths of the frames. Later calls return the same object.
+
+        Args:
+            id: World id, as in `Episode.world`.
+
+        Returns:
+            The world.
+
+        Raises:
+            DatasetError: If there is no such world, or a file is damaged.
+        """
         if id not in self._worlds:
             folder = self.folder / "suite" / "worlds" / id
             known = sorted({e.world for e in self.episodes})
@@ -252,9 +378,22 @@ class Dataset(Sequence):
         return self._worlds[id]
 
     def split(self, train: float = 0.8, seed: int = 0) -> tuple[Dataset, Dataset]:
-        """Two parts: episodes of about this fraction of the worlds, and those of all other worlds. Frames of one world are
-        alike, so a model must be judged on worlds that it has never seen; frames and episodes are never dealt out. Which
-        world goes where depends on the seed and on the worlds' contents alone."""
+        """Splits the episodes by world into two parts.
+
+        Frames of one world are similar, so a model must be tested on worlds that it hasn't been trained on. The
+        assignment depends only on the seed and the contents of the worlds.
+
+        Args:
+            train: Fraction of the worlds in the first part, between 0 and 1, rounded so that each part has at least one
+                world; default 0.8.
+            seed: Random seed; default 0.
+
+        Returns:
+            The first part, and the part with all other worlds.
+
+        Raises:
+            DatasetError: If the fraction is out of range, or all episodes are in one world.
+        """
         hashes = sorted(
             {e.world_hash for e in self.episodes}, key=lambda h: hashlib.sha256(f"{seed} {h}".encode()).digest()
         )
@@ -268,13 +407,23 @@ class Dataset(Sequence):
         return self.where(lambda e: e.world_hash in chosen), self.where(lambda e: e.world_hash not in chosen)
 
     def where(self, chosen: Any) -> Dataset:
-        """The part with the episodes for which `chosen(episode)` is true."""
+        """Selects episodes.
+
+        Args:
+            chosen: Function that returns whether an `Episode` is selected.
+
+        Returns:
+            A dataset with the selected episodes.
+
+        Example:
+            >>> failures = dataset.where(lambda episode: episode.outcome == "stuck")
+        """
         kept = [k for k, e in enumerate(self.episodes) if chosen(e)]
         episodes, places = [self.episodes[k] for k in kept], [self._places[k] for k in kept]
         return Dataset(self.folder, self.info, self.columns, episodes, places)
 
     def _names(self, columns: str | Sequence[str] | None) -> list[str]:
-        """The names of the columns that are asked for."""
+        """Returns the names of the requested columns."""
         if columns is None:
             return list(self.columns)
         names = [columns] if isinstance(columns, str) else list(columns)
@@ -313,7 +462,7 @@ def _parquet(file: Path, columns: Sequence[str] | None) -> pa.Table:
     if not file.is_file():
         raise DatasetError(file, "the file is missing", "make or fetch the dataset again")
     try:
-        # The file itself and not a data set of one file, so that folders named a=b are no columns.
+        # As a single file, not as a data set, so that folders named a=b don't become columns.
         with pq.ParquetFile(file) as opened:
             return opened.read(columns=columns)
     except (pa.ArrowException, OSError) as e:
@@ -321,7 +470,7 @@ def _parquet(file: Path, columns: Sequence[str] | None) -> pa.Table:
 
 
 def _array(file: Path, values: pa.ChunkedArray, column: Column) -> np.ndarray:
-    """A column as an array, lists of lists as further axes."""
+    """Converts a column to an array, with nested lists as further axes."""
     count = len(values)
     flat = values.combine_chunks()
     while pa.types.is_list(flat.type) or pa.types.is_large_list(flat.type) or pa.types.is_fixed_size_list(flat.type):
@@ -355,7 +504,7 @@ def _episodes(folder: Path, data_path: str) -> tuple[list[Episode], list[_Place]
     episodes: list[Episode] = []
     places: list[_Place] = []
     fields = [f.name for f in dataclasses.fields(Episode) if f.name != "index"]
-    #: The first frame of each data file.
+    #: Index of the first frame of each data file.
     first: dict[Path, int] = {}
     for file in sorted((folder / "meta/episodes").glob("chunk-*/file-*.parquet")):
         table = _parquet(file, None)

@@ -1,7 +1,7 @@
-"""The kind of error that datasets raise."""
+"""The error of datasets."""
 
 from .._errors import VertibenchError
 
 
 class DatasetError(VertibenchError):
-    """A dataset can't be used. The message is one line: where, what, what to do."""
+    """A dataset is missing, incomplete, damaged or unsuitable. The message is one line: where, what, what to do."""

@@ -1,4 +1,4 @@
-"""Datasets of Minari, for offline reinforcement learning (minari.farama.org)."""
+"""Conversion to Minari datasets, for offline reinforcement learning (minari.farama.org)."""
 
 from __future__ import annotations
 
@@ -14,31 +14,43 @@ import numpy as np
 from ._dataset import Dataset, Episode
 from ._errors import DatasetError
 
-#: What the entries of `action` may be: steering, throttle, brake, gear.
+#: Bounds of the entries of `action`: steering, throttle, brake, gear.
 _LOW, _HIGH = np.array([-1, 0, 0, -1], np.float32), np.array([1, 1, 1, 1], np.float32)
-#: Outcomes by which the state ends an episode; any other cuts it off.
+#: Outcomes that terminate an episode; all others truncate it.
 _ENDS = ("success", "rollover", "stuck", "out_of_bounds")
-#: Names in the store.
+#: Valid names in Minari's storage.
 _NAME = re.compile(r"([-_a-zA-Z0-9]+/)*[-_a-zA-Z0-9]+-v[0-9]+")
 
 
 def to_minari(
     dataset: Dataset, dataset_id: str, *, author: str | None = None, author_email: str | None = None, **more: Any
 ) -> Any:
-    """Writes a dataset into Minari's store, where `minari.load_dataset(dataset_id)` finds it, and returns it.
+    """Writes a dataset into Minari's local storage, from which `minari.load_dataset(dataset_id)` loads it.
 
-    An observation is a dictionary of the parts `state`, `wheels`, and so on: the columns `observation.*`. A step goes from
-    one frame to the next, so an episode of n frames has n observations and n − 1 steps; an episode of one frame is left
-    out. The action is the command within its range, which is what the vehicle gets. The reward is 1 for the step that ends
-    at the goal and 0 otherwise, so all are 0 where there is no goal. Success, rollover, getting stuck and leaving the world
-    terminate an episode; what runs out of time, or ends by a fault, is truncated. The columns `truth.*` and
-    `action.applied` of the frame where a step begins are its `infos`; the last entry is that of the last frame.
+    - Observation: dictionary of the columns `observation.*`, without this prefix.
+    - Steps: a step goes from one frame to the next, so an episode of n frames has n observations and n − 1 steps.
+      Episodes with one frame are skipped.
+    - Action: the command within its range, which is what the vehicle receives.
+    - Reward: 1 for the step that ends at the goal, otherwise 0.
+    - End: `success`, `rollover`, `stuck` and `out_of_bounds` terminate an episode; all other outcomes truncate it.
+    - Infos: the columns `truth.*` and `action.applied` of the frame at the start of a step; the last entry is of the
+      last frame.
 
-    `author` and `author_email` are those who are named in the dataset; `more` goes to
-    `minari.create_dataset_from_buffers`. Licence and origin are in the description.
+    Licence and origin are in the description.
 
-    Raises `DatasetError` if the name is none or there is a dataset of it, a package is missing, or nothing may be trained on the
-    dataset. What was begun is removed if it can't be finished.
+    Args:
+        dataset: Dataset to convert.
+        dataset_id: Name in the storage, with a version, e.g. `"vertibench/explore-v0"`.
+        author: Name of the author. None (default): `"Verti-Bench"`.
+        author_email: Address of the author. None (default): no address.
+        **more: Further arguments of `minari.create_dataset_from_buffers`.
+
+    Returns:
+        The `minari.MinariDataset`.
+
+    Raises:
+        DatasetError: If the name is invalid or exists already, a package is missing, a file is damaged, or the dataset
+            must not be used for training. An incomplete result is removed.
     """
     if not isinstance(dataset_id, str) or not _NAME.fullmatch(dataset_id):
         raise DatasetError("to_minari", f"{dataset_id!r} is no name in Minari's store", "give one such as vertibench/explore-v0")
@@ -61,7 +73,7 @@ def to_minari(
     told = [name for name in dataset.columns if name.startswith("truth.") or name == "action.applied"]
     names = [c.name for c in parts] + ["action"] + told
     info = dataset.info
-    # Made one by one, so that only one data file is in memory.
+    # Created one by one, so that only one data file is in memory.
     buffers = (
         _buffer(EpisodeBuffer, episode, dataset.frames(k, names), [c.name for c in parts], told)
         for k, episode in enumerate(dataset.episodes)
@@ -74,7 +86,7 @@ def to_minari(
         "author_email": author_email,
         "description": f"{info.name}: driving over rough ground in simulation by {', '.join(drivers)}; vehicle "
         f"{info.vehicle}, {info.hz} Hz. Licence: {info.licence}. Made by vb-harness {info.harness_version}; hash {info.hash}.",
-        # Lossless: pictures would become JPEG.
+        # Lossless: images would become JPEG.
         "jpeg_encoding": False,
         **more,
     }
@@ -87,7 +99,7 @@ def to_minari(
     path = Path(get_dataset_path(dataset_id))
     if path.exists():
         raise DatasetError(path, "there is a dataset of this name already", "give another name or version, or delete it")
-    # The outermost folder that comes with it, which may be one that datasets are in.
+    # The outermost folder that the call creates.
     begun = path
     while not begun.parent.exists():
         begun = begun.parent
@@ -101,8 +113,11 @@ def to_minari(
 
 
 def _environment(dataset: Dataset) -> Any:
-    """Stands for the environment over the dataset's worlds with its vehicle, which Minari's `recover_environment` makes: it has the
-    specification, and loads nothing. The worlds are where the dataset lies now."""
+    """Returns a stand-in for the environment over the dataset's worlds, from which Minari's `recover_environment` creates
+    it.
+
+    It has the specification only and loads nothing. The worlds are those in the dataset's present folder.
+    """
     import gymnasium
 
     from ..registration import NAME, register
@@ -126,7 +141,7 @@ def _environment(dataset: Dataset) -> Any:
 
 
 def _missing(e: ImportError) -> DatasetError:
-    # Minari raises errors of its own, which have no name, where h5py is missing.
+    # If h5py is missing, Minari raises errors without a name.
     what = e.name or str(e)
     return DatasetError("to_minari", f"a package is missing: {what}", "pip install 'minari[hdf5]' pillow")
 

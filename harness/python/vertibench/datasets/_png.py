@@ -1,4 +1,4 @@
-"""Greyscale PNG of 16 bits, as heights are stored."""
+"""Reader for 16-bit greyscale PNG, the format of elevation maps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def read_grey16(data: bytes) -> np.ndarray:
-    """The levels, row 0 at the top, as uint16. Raises `ValueError` if it isn't a whole image of this kind."""
+    """Returns the levels as uint16, row 0 at the top. Raises `ValueError` if the data is no complete image of this type."""
     if data[:8] != b"\x89PNG\r\n\x1a\n":
         raise ValueError("it is no PNG image")
     at, packed, size, ended = 8, b"", None, False
@@ -46,7 +46,7 @@ def read_grey16(data: bytes) -> np.ndarray:
 
 
 def _unfilter(kind: int, line: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """A row of bytes from what its filter left of it (PNG specification, section 9.2)."""
+    """Reverses the filter of a row of bytes (PNG specification, section 9.2)."""
     if kind == 0:
         return line
     if kind == 2:

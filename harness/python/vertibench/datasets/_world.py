@@ -1,4 +1,4 @@
-"""The worlds of a dataset: heights, kinds of ground, friction and obstacles."""
+"""Worlds of a dataset: heights, terrain classes, friction and obstacles."""
 
 from __future__ import annotations
 
@@ -13,53 +13,88 @@ from .. import _yaml
 from . import _png
 from ._errors import DatasetError
 
-#: The kinds of ground, in the order of their labels.
+#: Names of the terrain classes, in the order of their labels.
 CLASSES = ("clay", "concrete", "dirt", "grass", "gravel", "rock", "wood", "mud", "sand", "snow")
 
-#: The version of the suites' format that this package reads.
+#: Supported version of the suite format.
 _SCHEMA = 1
-#: What can be done about a damaged world of a dataset.
+#: Next step for a damaged world of a dataset.
 _AGAIN = "make or fetch the dataset again"
 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A boulder, box or trunk. It stands on the ground under its centre."""
+    """Obstacle on the ground: a boulder, box or trunk.
 
-    kind: str  #: `boulder`, `box` or `trunk`
-    x: float  #: centre, m
-    y: float  #: centre, m
-    yaw: float  #: heading of its own x axis, rad
-    buried: float  #: how much of its height is below the ground at its centre, m
-    size: tuple[float, float, float]  #: extents along its own axes, m
+    Attributes:
+        kind: `boulder`, `box` or `trunk`.
+        x: Position of the centre to the east, m.
+        y: Position of the centre to the north, m.
+        yaw: Direction of its own x axis, counter-clockwise from east, rad.
+        buried: Part of its height below the ground at its centre, m.
+        size: Extents along its own axes x, y and z, m.
+    """
+
+    kind: str
+    x: float
+    y: float
+    yaw: float
+    buried: float
+    size: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class World:
-    """A world, at the scale of the dataset. x is east, y north, and the origin is its centre; row 0 of all arrays is in the
-    south and column 0 in the west, so that indices grow with coordinates."""
+    """World, in lengths of the scaled world.
+
+    x is east, y is north, and the origin is the centre. Row 0 of all arrays is in the south and column 0 in the west,
+    so indices grow with coordinates. The world consists of square patches with one terrain class each.
+
+    Attributes:
+        id: World id, e.g. `w001`.
+        elevation: Elevation level: `low`, `medium` or `high`.
+        terrain: Terrain type: `rigid`, `deformable` or `mixed`.
+        density: Obstacle density: `sparse`, `medium` or `dense`.
+        resolution: Distance between nodes, m.
+        heights: Heights of the nodes, m; float64, shape (rows, columns).
+        patch: Side of a patch, m.
+        classes: Terrain class of each patch, as index in `CLASSES`; uint8, shape (rows, columns).
+        friction: Friction coefficient of each patch, 0 on deformable terrain; float64, shape (rows, columns).
+        soil: Soil strength by deformable terrain class, `soft` or `hard`; absent classes are `medium`.
+        obstacles: The obstacles.
+    """
 
     id: str
-    elevation: str  #: the level of its relief: `low`, `medium` or `high`
-    terrain: str  #: `rigid`, `deformable` or `mixed`
-    density: str  #: of obstacles: `sparse`, `medium` or `dense`
-    resolution: float  #: the distance between nodes, m
-    heights: np.ndarray  #: of the nodes, m, float64
-    patch: float  #: the side of a patch, m
-    classes: np.ndarray  #: the label of each patch, uint8: the place in `CLASSES`
-    friction: np.ndarray  #: the friction coefficient of each patch; 0 where the ground yields
-    soil: dict[str, str]  #: `soft`, `medium` or `hard` of each kind of ground that yields, where it isn't `medium`
+    elevation: str
+    terrain: str
+    density: str
+    resolution: float
+    heights: np.ndarray
+    patch: float
+    classes: np.ndarray
+    friction: np.ndarray
+    soil: dict[str, str]
     obstacles: tuple[Obstacle, ...]
 
     @property
     def size(self) -> tuple[float, float]:
-        """The extents along x and y, m."""
+        """Extents along x and y, m."""
         rows, cols = self.heights.shape
         return ((cols - 1) * self.resolution, (rows - 1) * self.resolution)
 
     def height(self, x: Any, y: Any) -> np.ndarray:
-        """The height of the ground at places, m. As in the simulator each cell is two triangles, which share the diagonal
-        from its south-west to its north-east corner, and beyond the edge the last triangle goes on."""
+        """Returns the ground height, as in the simulator.
+
+        Each cell consists of two triangles along the diagonal from its south-west to its north-east corner. Outside the
+        world the nearest triangle is extended.
+
+        Args:
+            x: Positions to the east, m: a number or an array.
+            y: Positions to the north, m, with the same shape.
+
+        Returns:
+            Heights, m, float64, with the shape of the arguments.
+        """
         rows, cols = self.heights.shape
         u = np.asarray(x, float) / self.resolution + (cols - 1) / 2
         v = np.asarray(y, float) / self.resolution + (rows - 1) / 2
@@ -72,12 +107,29 @@ class World:
         return np.where(v >= u, upper, lower)
 
     def class_at(self, x: Any, y: Any) -> np.ndarray:
-        """The labels of the ground at places, as `CLASSES` has them; 255 beyond the edge. Obstacles don't count."""
+        """Returns the terrain class; obstacles are ignored.
+
+        Args:
+            x: Positions to the east, m: a number or an array.
+            y: Positions to the north, m, with the same shape.
+
+        Returns:
+            Indices in `CLASSES`, 255 outside the world; uint8, with the shape of the arguments.
+        """
         inside, row, col = self._patch(x, y)
         return np.where(inside, self.classes[row, col], 255).astype(np.uint8)
 
     def friction_at(self, x: Any, y: Any) -> np.ndarray:
-        """The friction coefficients at places; 0 where the ground yields and beyond the edge."""
+        """Returns the friction coefficient.
+
+        Args:
+            x: Positions to the east, m: a number or an array.
+            y: Positions to the north, m, with the same shape.
+
+        Returns:
+            Friction coefficients, 0 on deformable terrain and outside the world; float64, with the shape of the
+            arguments.
+        """
         inside, row, col = self._patch(x, y)
         return np.where(inside, self.friction[row, col], 0.0)
 
@@ -93,8 +145,10 @@ class World:
 def read_world(
     folder: Path, scale: float, error: Callable[[Path, str, str], Exception] = DatasetError, again: str = _AGAIN
 ) -> World:
-    """Reads the world in a folder of a suite, and multiplies its lengths by the scale. `error` is what is raised, and `again`
-    what can be done about damage."""
+    """Reads the world in a folder of a suite and multiplies its lengths by the scale.
+
+    `error` is the exception for a damaged world, and `again` the next step in its message.
+    """
     file = folder / "world.yaml"
     try:
         world = _document(file)
@@ -148,7 +202,7 @@ def _document(file: Path) -> dict:
 
 
 def _obstacle(o: dict, scale: float) -> Obstacle:
-    # A trunk is as long and wide as its circle.
+    # Length and width of a trunk are the diameter.
     size = (2 * o["radius"], 2 * o["radius"], o["height"]) if o["kind"] == "trunk" else o["size"]
     x, y, buried, *size = (scale * length for length in (o["x"], o["y"], o["buried"], *size))
     return Obstacle(o["kind"], x, y, float(o["yaw"]), buried, tuple(size))

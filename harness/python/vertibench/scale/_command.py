@@ -1,4 +1,4 @@
-"""What the commands of this package share: their options, and how they end."""
+"""Options and exit codes that the commands for Ray, Slurm and Kubernetes share."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._work import Work
 
 
 def parser(program: str, about: str) -> argparse.ArgumentParser:
-    """A command line with the options that all have."""
+    """Returns an argument parser with the shared options."""
     own = argparse.ArgumentParser(prog=program, description=about)
     own.add_argument("--shards", type=int, required=True, metavar="N", help="how many parts the work is split into")
     own.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder of the results, which all machines see")
@@ -22,10 +22,10 @@ def parser(program: str, about: str) -> argparse.ArgumentParser:
 
 
 def work_of(own: argparse.Namespace) -> Work:
-    """The work that the options say."""
+    """Returns the work that the options describe."""
     return Work.of(own.arguments, own.out, own.shards)
 
 
 def ended(do: Callable[[], int]) -> int:
-    """Does something; its errors become a line and an exit code."""
+    """Calls the function and returns its exit code; an error becomes one line and an exit code."""
     return _command.ended(do, "stopped; the same command goes on")

@@ -1,4 +1,4 @@
-"""One shard, as a process of `vb-harness`, and what its exit code means for whoever began it."""
+"""Execution of a shard as a `vb-harness` process, and the meaning of its exit code."""
 
 from __future__ import annotations
 
@@ -15,47 +15,68 @@ from pathlib import Path
 from .._program import environment, harness_path
 from ._work import ScaleError, Work
 
-#: Exit codes of a shard that is done: 5 tells of simulations that failed, which is a result.
+#: Exit codes of a complete shard; 5 means that some simulations failed, which is a result.
 DONE = (0, 5)
-#: Exit codes after which the same command is worth another try: the machine failed tasks, the results couldn't be written, it was
-#: stopped.
+#: Exit codes after which a retry can succeed: results not written, tasks failed because of the machine, stopped.
 AGAIN = (4, 7, 130)
-#: How many lines of what a shard said last are kept for a message.
+#: Number of last stderr lines that a message contains.
 _LAST = 3
 
 
 @dataclass(frozen=True)
 class ShardEnd:
-    """How a shard has ended."""
+    """Result of a shard's process.
+
+    Attributes:
+        index: Number of the shard, from 1.
+        code: Exit code of `vb-harness`; negative if a signal ended it.
+        said: Last lines that the process wrote to stderr, joined with ` | `.
+        tasks: Number of tasks with a result so far.
+        successes: Number of successful tasks among them.
+    """
 
     index: int
     code: int
-    #: What it said last.
     said: str
-    #: The tasks that it has done until now, and the successes among them.
     tasks: int = 0
     successes: int = 0
 
     @property
     def is_done(self) -> bool:
-        """Whether all of its tasks have a result."""
+        """Whether all tasks of the shard have a result (exit code 0 or 5)."""
         return self.code in DONE
 
     @property
     def is_worth_another_try(self) -> bool:
-        """Whether the same command may do better: the machine is to blame, not what was asked for."""
+        """Whether a retry of the same command can succeed: the machine, file system or scheduler failed."""
         return self.code in AGAIN or self.code < 0 or self.code > 128
 
 
 def run_shard(work: Work, index: int, jobs: int | None = None, scratch: Path | None = None) -> ShardEnd:
-    """Drives a shard to its end, in a process that ends with this one. With `scratch`, a folder of this machine, it works there, and its
-    results are moved to where they belong when it ends, so that a shared file system isn't asked to sync every task."""
+    """Runs a shard in a child process, which ends with this process, and waits for its end.
+
+    A shard that was interrupted continues.
+
+    Args:
+        work: The run or sweep.
+        index: Number of the shard, from 1 to `work.shards`.
+        jobs: Number of parallel tasks. None (default): the number of cores.
+        scratch: Existing folder on this machine's own disk. The shard works there, and its results are copied to
+            `work.out` at its end, which avoids a sync of every task on the shared file system. None (default): the
+            shard works in `work.out`.
+
+    Returns:
+        Exit code, messages and counts of the shard.
+
+    Raises:
+        MissingError: If the program is missing.
+    """
     if scratch is None:
         return _drive(work, index, jobs)
     with tempfile.TemporaryDirectory(dir=scratch, prefix="vertibench-") as folder:
         there = replace(work, out=Path(folder))
         for done in work.folders(index):
-            # From an earlier try, which goes on.
+            # From an earlier attempt, which continues.
             shutil.copytree(done, there.out / done.relative_to(work.out))
         end = _drive(there, index, jobs)
         for done in there.folders(index):
@@ -64,15 +85,15 @@ def run_shard(work: Work, index: int, jobs: int | None = None, scratch: Path | N
 
 
 def progress(ended: list[ShardEnd], shards: int) -> str:
-    """How far all is, for those who watch."""
+    """Returns the progress of all shards as one line."""
     return f"{len(ended)} of {shards} shards, {sum(e.tasks for e in ended)} tasks, {sum(e.successes for e in ended)} successes"
 
 
 def _put(folder: Path, where: Path) -> None:
-    """Copies a folder so that it is there as a whole or not at all; one that is there goes first."""
+    """Copies a folder atomically; an existing one is replaced."""
     half = where.with_name(f".{where.name}.half")
     shutil.rmtree(half, ignore_errors=True)
-    # Times and rights of files are of no use there.
+    # Times and permissions of files are not needed there.
     shutil.copytree(folder, half, copy_function=shutil.copyfile)
     if where.exists():
         shutil.rmtree(where)
@@ -80,7 +101,7 @@ def _put(folder: Path, where: Path) -> None:
 
 
 def _drive(work: Work, index: int, jobs: int | None) -> ShardEnd:
-    # What it tells of each task is in the results.
+    # The results contain the progress on stdout.
     done = subprocess.run(
         [str(harness_path()), *work.shard(index, jobs)],
         stdin=subprocess.DEVNULL,
@@ -97,14 +118,14 @@ def _drive(work: Work, index: int, jobs: int | None) -> ShardEnd:
 
 
 def join(work: Work) -> int:
-    """Puts all shards together; gives the exit code. A run that is there already stays."""
+    """Joins all shards and returns the exit code. A joined run that exists already is kept."""
     if not work.is_sweep and (work.result() / "summary.json").is_file():
         return 0
     return subprocess.run([str(harness_path()), *work.joined()], env=environment(), check=False).returncode
 
 
 def failed(end: ShardEnd) -> ScaleError:
-    """The error of a shard that has failed for good."""
+    """Returns the error for a shard that has failed permanently."""
     to_do = "the same command goes on where it was stopped" if end.is_worth_another_try else "mend it, then give the same command again"
     return ScaleError(f"shard {end.index}", f"it ended with code {end.code}: {end.said}", to_do)
 
@@ -116,7 +137,7 @@ def _counted(folders: list[Path]) -> tuple[int, int]:
 
 
 def _end_with_parent() -> None:
-    # Else a shard whose worker was killed would go on, and hold its folder against the next one.
+    # Otherwise a shard whose worker was killed would continue and keep its folder locked.
     parent = os.getppid()
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG, linux/prctl.h
     if os.getppid() != parent:

@@ -1,4 +1,4 @@
-"""`python -m vertibench.scale.cost`: what a sweep costs on so many cores, and what limits it (docs/scale.md has the model)."""
+"""`python -m vertibench.scale.cost`: estimated cost of a sweep, and its bottleneck (docs/scale.md describes the model)."""
 
 from __future__ import annotations
 
@@ -9,45 +9,48 @@ from dataclasses import dataclass
 
 from .._command import above_zero, whole_number
 
-# What docs/scale.md has measured.
+# Measurements of docs/scale.md.
 
-#: Beginning a run, or a shard's part of one: loading the planner's compiled code, checking the worlds by their hash; s.
+#: Start of a run or of a shard's part of one: loading the compiled planner, verifying the hashes of the worlds; s.
 START = 0.2
-#: What a file system has to do for it: files opened, renamed, synced; operations.
+#: File operations (open, rename, sync) per start.
 BEGUN = 50.0
-#: What it has to do for each task, with and without a trace.
+#: File operations per task, with and without a trace.
 OPERATIONS = {True: 14.0, False: 7.0}
-#: The same where results are copied when they are whole (`--scratch`): for each folder, and for each task.
+#: File operations to copy complete results (`--scratch`): per folder, and per task with and without a trace.
 BEGUN_COPIED, COPIED = 30.0, {True: 3.0, False: 0.0}
-#: Bytes of a task's results, with and without a trace of 10 samples a second.
+#: Size of a task's results, bytes, with and without a trace of 10 samples per second.
 BYTES = {True: 57_600.0, False: 1_300.0}
-#: Tasks that one process joins in a second.
+#: Tasks that one process joins per second, with and without traces.
 JOINED = {True: 1_800.0, False: 15_000.0}
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a sweep costs; times in seconds."""
+    """Estimated cost of a sweep.
 
-    #: Of all cores together.
+    Attributes:
+        core_seconds: Computing time summed over all cores, s.
+        driving: Time until the last shard ends, s, if only the cores limit it.
+        writing: Time to write all files, s, if only the file system limits it.
+        joining: Time to join the shards with one process, s.
+        size: Size of the results, bytes.
+    """
+
     core_seconds: float
-    #: Until the last shard ends, if nothing but the cores limits it.
     driving: float
-    #: Until the last file is written, if nothing but the file system limits it.
     writing: float
-    #: Putting the shards together, by one process.
     joining: float
-    #: Results, bytes.
     size: float
 
     @property
     def wall(self) -> float:
-        """From the first shard to the joined result."""
+        """Time from the start of the first shard to the joined result, s."""
         return max(self.driving, self.writing) + self.joining
 
     @property
     def limit(self) -> str:
-        """What takes the most time."""
+        """Bottleneck with the longest time: `the cores`, `the file system` or `joining`."""
         times = {"the cores": self.driving, "the file system": self.writing, "joining": self.joining}
         return max(times, key=lambda name: times[name])
 
@@ -63,11 +66,28 @@ def cost(
     operations: float = 5000.0,
     scratch: bool = False,
 ) -> Cost:
-    """The cost of so many runs of so many tasks in so many worlds, where a task takes so many seconds of a core.
+    """Estimates the cost of a sweep.
 
-    Shards get whole worlds, dealt out over all runs one after the other, and the largest shard decides when all are done. A shard has a
-    folder for each run that it has a part of. `operations` are those that the file system does in a second; with `scratch`, it sees
-    results once, when they are whole.
+    Whole worlds are distributed over the shards, consecutively over all runs; the largest shard determines the end. A
+    shard has a folder per run of which it has a part.
+
+    Args:
+        runs: Number of runs, above 0.
+        tasks: Tasks per run, above 0.
+        worlds: Worlds per run, above 0.
+        seconds: Computing time of a task on one core, s, above 0.
+        cores: Number of cores, at least 1.
+        shards: Number of shards, at least 1.
+        traces: Whether trajectories are stored (10 Hz); default True.
+        operations: Operations per second of the file system, above 0; default 5000.
+        scratch: Whether shards write to a local disk first, so that the file system only receives complete results;
+            default False.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ValueError: If a number is not finite or not above 0.
     """
     if not all(0 < number < math.inf for number in (runs, tasks, worlds, seconds, cores, shards, operations)):
         raise ValueError("all numbers must be above 0")
@@ -85,7 +105,14 @@ def cost(
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the command line says; gives the exit code."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code.
+    """
     options = argparse.ArgumentParser(prog="python -m vertibench.scale.cost", description="What a sweep costs on so many cores.")
     options.add_argument("--runs", type=above_zero, required=True, help="planners × parameters × vehicles × profiles × seeds")
     options.add_argument("--tasks", type=above_zero, default=1000, help="tasks of each run (default: 1000)")

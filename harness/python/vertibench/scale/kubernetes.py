@@ -1,4 +1,4 @@
-"""`vertibench-kubernetes`: the shards of a run or a sweep as an Indexed Job of Kubernetes."""
+"""`vertibench-kubernetes`: the shards of a run or sweep as a Kubernetes Indexed Job."""
 
 from __future__ import annotations
 
@@ -10,17 +10,32 @@ from ._command import ended, parser, work_of
 from ._shard import AGAIN
 from ._work import ScaleError, Work
 
-#: Where the volume of the results is mounted.
+#: Mount point of the volume for results.
 RESULTS = "/results"
-#: Exit codes of a shard that another try can't mend: what is wrong with it is wrong with all.
+#: Exit codes of a permanent error, which would occur in every shard.
 _FATAL = [1, 2, 3, 10]
 
 
 def manifests(work: Work, name: str, image: str, claim: str, cpus: int, at_a_time: int, retries: int) -> list[dict[str, Any]]:
-    """The jobs: one that drives the shards, and one that joins them, to be created when the first is complete.
+    """Returns the manifests of two jobs: one for the shards, and one that joins them.
 
-    `claim` is a PersistentVolumeClaim that many pods can write to; it is mounted as `/results`, below which `work.out` lies. What the
-    command line names must be in `image` or on the volume.
+    Create the second job when the first is complete. Files named in the command line must be in the image or on the
+    volume.
+
+    Args:
+        work: The run or sweep; `work.out` must be below `/results`.
+        name: Name of the first job; the second has the suffix `-join`.
+        image: Container image with vertibench.
+        claim: PersistentVolumeClaim for the results, writable from many pods, mounted as `/results`.
+        cpus: Processors per pod, also its number of parallel tasks.
+        at_a_time: Maximum number of parallel pods.
+        retries: Maximum number of retries per shard.
+
+    Returns:
+        The two manifests, as dictionaries.
+
+    Raises:
+        ScaleError: If `work.out` is not below `/results`.
     """
     if not work.out.is_relative_to(RESULTS):
         raise ScaleError("--out", f"{work.out} isn't on the volume", f"give a folder below {RESULTS}")
@@ -30,19 +45,19 @@ def manifests(work: Work, name: str, image: str, claim: str, cpus: int, at_a_tim
         parallelism=min(at_a_time, work.shards),
         completionMode="Indexed",
         backoffLimitPerIndex=retries,
-        # The job fails when what is left can't make it whole.
+        # The job fails as soon as one shard has failed permanently.
         maxFailedIndexes=0,
         podFailurePolicy={
             "rules": [
                 {"action": "FailJob", "onExitCodes": {"containerName": "vertibench", "operator": "In", "values": _FATAL}},
-                # Evicted pods are no failures of the shard.
+                # An evicted pod doesn't count as a failure.
                 {"action": "Ignore", "onPodConditions": [{"type": "DisruptionTarget", "status": "True"}]},
                 {"action": "Count", "onExitCodes": {"containerName": "vertibench", "operator": "In", "values": list(AGAIN)}},
             ]
         },
     )
     container = drive["spec"]["template"]["spec"]["containers"][0]
-    # Kubernetes tells a pod its index, but not how many there are.
+    # Kubernetes gives a pod its index, but not the number of pods.
     container["env"] = [{"name": "VB_SHARDS", "value": str(work.shards)}]
     joined = _job(f"{name}-join", image, claim, 1, ["vertibench", *work.joined()])
     joined["spec"]["backoffLimit"] = 1
@@ -66,7 +81,7 @@ def _job(name: str, image: str, claim: str, cpus: int, command: list[str]) -> di
                 "metadata": {"labels": {"app.kubernetes.io/name": "vertibench"}},
                 "spec": {
                     "restartPolicy": "Never",
-                    # A shard that is stopped puts away what it has.
+                    # A stopped shard writes its results first.
                     "terminationGracePeriodSeconds": 30,
                     "containers": [container],
                     "volumes": [{"name": "results", "persistentVolumeClaim": {"claimName": claim}}],
@@ -77,7 +92,14 @@ def _job(name: str, image: str, claim: str, cpus: int, command: list[str]) -> di
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the command line says; gives the exit code."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code.
+    """
     options = parser("vertibench-kubernetes", "Writes the Indexed Job of the shards of a run or a sweep, and the job that joins them.")
     options.add_argument("--image", required=True, help="the container image, with vertibench in it")
     options.add_argument("--claim", required=True, help="the PersistentVolumeClaim of the results, mounted as /results")

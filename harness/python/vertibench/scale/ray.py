@@ -1,4 +1,4 @@
-"""`vertibench-ray`: the shards of a run or a sweep as tasks of Ray."""
+"""`vertibench-ray`: the shards of a run or sweep as Ray tasks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._work import ScaleError, Work
 
 
 class _Again(Exception):
-    """A shard has ended in a way that is worth another try."""
+    """A shard has failed in a way that a retry can fix."""
 
 
 def _drive(work: dict[str, object], index: int, jobs: int, scratch: Path | None) -> ShardEnd:
@@ -25,13 +25,24 @@ def _drive(work: dict[str, object], index: int, jobs: int, scratch: Path | None)
 
 
 def run(work: Work, cpus: int = 1, retries: int = 3, address: str | None = None, scratch: Path | None = None) -> int:
-    """Drives all shards on a cluster (`address`; where it isn't given, the one of RAY_ADDRESS, or this machine), and joins them; gives
-    the exit code of the last step.
+    """Runs all shards on a Ray cluster and joins them.
 
-    Each shard is tried again up to `retries` times if its worker is lost or its machine fails. One that fails otherwise ends all: what
-    is wrong with it is wrong with all. `scratch`: see `run_shard`.
+    A shard is retried if its worker is lost or its machine fails. Any other failure ends all shards, because it would
+    occur in each.
 
-    Raises `ScaleError` if a shard has failed for good.
+    Args:
+        work: The run or sweep.
+        cpus: Processors per shard, also its number of parallel tasks; default 1.
+        retries: Maximum number of retries per shard; default 3.
+        address: Address of the cluster. None (default): `RAY_ADDRESS`, otherwise this machine.
+        scratch: Folder on each machine's own disk to work in, see `run_shard`. None (default): `work.out`.
+
+    Returns:
+        Exit code of the step that joins the shards.
+
+    Raises:
+        ScaleError: If a shard has failed permanently.
+        MissingPackageError: If Ray is not installed.
     """
     try:
         import ray
@@ -42,7 +53,7 @@ def run(work: Work, cpus: int = 1, retries: int = 3, address: str | None = None,
         ray.init(address=address, log_to_driver=False)
     try:
         task = ray.remote(num_cpus=cpus, max_retries=retries, retry_exceptions=[_Again])(_drive)
-        # What goes over the network of a shard: a command line there, an exit code back.
+        # Only a command line and an exit code pass over the network.
         waiting: dict[Any, int] = {
             task.remote(work.to_json(), k, cpus, scratch): k for k in range(1, work.shards + 1)
         }
@@ -76,7 +87,14 @@ def _end_of(ray: Any, ref: Any, index: int) -> ShardEnd:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the command line says; gives the exit code."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code.
+    """
     options = parser("vertibench-ray", "Drives the shards of a run or a sweep on a Ray cluster, and joins them.")
     options.add_argument("--address", help="the cluster; default: RAY_ADDRESS, or this machine alone")
     options.add_argument("--retries", type=int, default=3, help="how often a shard is tried again (default: 3)")

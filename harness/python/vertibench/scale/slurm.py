@@ -1,4 +1,4 @@
-"""`vertibench-slurm`: the shards of a run or a sweep as a job array of Slurm, by submitit."""
+"""`vertibench-slurm`: the shards of a run or sweep as a Slurm job array, submitted with submitit."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from ._command import ended, parser, work_of
 from ._shard import ShardEnd, failed, progress, run_shard
 from ._work import ScaleError, Work
 
-#: What was submitted, in the folder of the results.
+#: File in the directory of results that describes the submitted array.
 SUBMITTED = "slurm.json"
-#: How often jobs are looked at, s.
+#: Interval between queries of the jobs' state, s.
 _LOOK = 5.0
 
 
 class Shard:
-    """A shard as a job: what submitit pickles and calls on the machine that drives it."""
+    """Job of a shard, which submitit pickles and calls on a machine of the cluster."""
 
     def __init__(self, work: Work, index: int, cpus: int, scratch: Path | None) -> None:
         self.work, self.index, self.cpus, self.scratch = work, index, cpus, scratch
 
     def __call__(self) -> ShardEnd:
-        """Drives it. A job that fails in a way that is worth another try is tried twice more, on its machine."""
+        """Runs the shard, with up to two retries on the same machine if a retry can succeed."""
         end = run_shard(self.work, self.index, self.cpus, self.scratch)
         for _ in range(2):
             if not end.is_worth_another_try:
@@ -37,15 +37,30 @@ class Shard:
         return end
 
     def checkpoint(self) -> Any:
-        """What is submitted when the job's time is over or it must make room: the same, which goes on where it was stopped."""
+        """Returns the job to submit after a time-out or preemption: the same shard, which then resumes."""
         return _submitit().helpers.DelayedSubmission(self)
 
 
 def submit(
     work: Work, cpus: int, minutes: int, parameters: dict[str, str], at_a_time: int, scratch: Path | None = None
 ) -> list[str]:
-    """Submits the array; gives the names of its jobs. `parameters` are further ones of sbatch, such as `partition`; `scratch`: see
-    `run_shard`."""
+    """Submits the shards as a job array.
+
+    Args:
+        work: The run or sweep.
+        cpus: Processors per job, also its number of parallel tasks.
+        minutes: Time limit per job, min; a shard that needs more is continued in another job.
+        parameters: Further parameters of sbatch by name, such as `{"partition": "cpu"}`.
+        at_a_time: Maximum number of parallel jobs.
+        scratch: Folder on each machine's own disk to work in, see `run_shard`. None (default): `work.out`.
+
+    Returns:
+        Ids of the jobs, in the order of the shards.
+
+    Raises:
+        ScaleError: If an array was already submitted for `work.out`.
+        MissingPackageError: If submitit is not installed.
+    """
     submitit = _submitit()
     if (work.out / SUBMITTED).exists():
         raise ScaleError(work.out, "an array was submitted for it already", "collect it, or give another --out")
@@ -62,9 +77,17 @@ def submit(
 
 
 def collect(out: Path) -> int:
-    """Waits for the jobs of an array, and joins their results; gives the exit code of the last step.
+    """Waits for the jobs of an array and joins their results.
 
-    Raises `ScaleError` if a shard has failed for good.
+    Args:
+        out: Directory for the results, as given to `submit`.
+
+    Returns:
+        Exit code of the step that joins the shards.
+
+    Raises:
+        ScaleError: If no array was submitted for this directory, or a shard has failed permanently.
+        MissingPackageError: If submitit is not installed.
     """
     submitit = _submitit()
     try:
@@ -90,7 +113,7 @@ def _end_of(index: int, job: Any) -> ShardEnd:
         end: ShardEnd = job.result()
     except VertibenchError:
         raise
-    except Exception as e:  # Whatever submitit, or the job, has to say.
+    except Exception as e:  # Any error of submitit or of the job.
         said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
         what = f"job {job.job_id} ended as {job.state}: {said[-1]}"
         to_do = f"see {job.paths.stderr}; remove {SUBMITTED} and submit again, which goes on where it was stopped"
@@ -109,7 +132,14 @@ def _submitit() -> Any:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the command line says; gives the exit code."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code.
+    """
     program = "vertibench-slurm"
     options = argparse.ArgumentParser(prog=program, description="Drives the shards of a run or a sweep as a job array of Slurm.")
     commands = options.add_subparsers(required=True, metavar="COMMAND")

@@ -1,10 +1,18 @@
-"""Training of policies: the end-to-end planners RL, MCL and ACL, and your own.
+"""Training of policies in `vertibench.envs`: the end-to-end planners RL, MCL and ACL, and your own.
 
-`python -m vertibench.training train acl --out runs/acl-0` learns by stable-baselines3's SAC, or PPO where the configuration says so, in
-`vertibench.envs`; `export` writes the policy's weights as planners read them; `package` makes a planner of them, which `vertibench`
-drives and a leaderboard takes; `curves` draws what several runs have come to. docs/training.md goes through it step by step.
+The command line trains with stable-baselines3 (SAC, or PPO with `algorithm: ppo`) and makes planners of the policies:
 
-What to learn is data: `tasks/training/policy.yaml`, or a file of your own.
+- `python -m vertibench.training train acl --out runs/acl-0` trains; an interrupted run continues
+- `export` writes the policy's weights in the planners' format
+- `package` makes a planner from weights, for `vertibench --plugin` and leaderboards
+- `evaluate` measures success, `curves` plots it over steps, `card` compares policies
+
+All settings are in a YAML file, `tasks/training/policy.yaml` by default. docs/training.md is a step-by-step guide. The
+names of this module don't need stable-baselines3 and torch; training needs them (`pip install 'vertibench[train]'`).
+
+>>> from vertibench.training import package, read_config
+>>> config = read_config("policy", {"sac.batch": "512"})
+>>> package("mine.vbnn", "mine.wasm", "mine", "My policy")
 """
 
 from ._config import Config, TrainingError, read_config

@@ -11,14 +11,21 @@ from typing import Any
 
 from .._command import ended, whole_number
 
-# The same instructions on every x86 processor that has them, and the same kernels: weights mustn't depend on the machine. This must be
-# set before torch is loaded.
+# The same instructions and kernels on every x86 processor with AVX2, so that weights don't depend on the machine. These variables
+# must be set before torch is imported.
 for _variable, _value in (("ATEN_CPU_CAPABILITY", "avx2"), ("ONEDNN_MAX_CPU_ISA", "AVX2"), ("MKL_CBWR", "AVX2")):
     os.environ.setdefault(_variable, _value)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Does what the command line says; gives the exit code."""
+    """Runs the command line.
+
+    Args:
+        arguments: Arguments after the program's name. None (default): those of the process.
+
+    Returns:
+        Exit code.
+    """
     own = _parser().parse_args(arguments)
     return ended(lambda: own.run(own))
 

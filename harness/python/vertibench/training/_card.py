@@ -1,4 +1,4 @@
-"""The card of a policy: how it was made, and what it does in held-out worlds beside what it must beat."""
+"""Card of a policy: its training, and its results in held-out worlds compared with a baseline."""
 
 from __future__ import annotations
 
@@ -16,13 +16,28 @@ from ._export import weights_of
 from ._package import package
 from ._run import PROGRESS, checkpoint_of, load
 
-#: The planner that a policy must beat: it follows the path with the policy's greatest speed.
+#: Baseline planner: follows the path with the policy's maximum speed.
 BASELINE = "pid"
 
 
 def card(policy: Path, out: Path, others: list[Path]) -> str:
-    """Writes the card of a run's last checkpoint, with the policies of other runs beside it, and a text with what a planner's metadata
-    say of the weights; gives a line for each policy."""
+    """Writes the card of a policy: its training, and its success in held-out worlds compared with PID and other policies.
+
+    Runs the held-out tasks with each policy as a planner, and with PID at the policy's maximum speed. Also writes a
+    text file next to the card, with the description of the weights for a planner's metadata.
+
+    Args:
+        policy: Folder of the run, or of a checkpoint.
+        out: JSON file to write.
+        others: Folders of other runs to compare, with different names.
+
+    Returns:
+        One line per policy with its success rate, and a line with the written files.
+
+    Raises:
+        TrainingError: If there is no readable checkpoint, or two folders have the same name.
+        ProgramError: If a run of the planners fails.
+    """
     names = ["policy", BASELINE, *(other.name for other in others)]
     for k, name in enumerate(names):
         if name in names[:k]:
@@ -35,10 +50,10 @@ def card(policy: Path, out: Path, others: list[Path]) -> str:
     differences = {}
     for pair in told.pairs:
         if pair.first == told.runs[0].label:
-            # Of this policy less the other one.
+            # This policy minus the other one.
             d = pair.success_rate
             name = names[[r.label for r in told.runs].index(pair.second)]
-            # Without an interval where there are too few worlds.
+            # Without an interval if there are too few worlds.
             interval = {} if d is None or d.low is None else {"low": _p(-d.high), "high": _p(-d.low)}
             differences[name] = None if d is None else {"points": _p(-d.mean), **interval, "p": d.p}
     text = json.dumps({**made, "held_out": held_out, "success_less_that_of": differences}, indent=1)
@@ -49,13 +64,13 @@ def card(policy: Path, out: Path, others: list[Path]) -> str:
 
 
 def _model(name: str, made: dict[str, Any], config: Config) -> str:
-    """What the metadata of a planner say of its weights (`vb_sdk::export_policy!`)."""
+    """Returns the description of the weights for a planner's metadata (`vb_sdk::export_policy!`)."""
     worlds = f"{config['worlds.count']} training worlds of seed {config['worlds.seed']}"
     return f"{name}.vbnn sha256 {made['weights_sha256']}, learned in {made['steps']} steps with seed {made['seed']} in {worlds}"
 
 
 def _drive(policy: Path, name: str, folder: Path) -> tuple[dict[str, Any], Config, Run]:
-    """Drives held-out tasks with a policy as the planner that is made of it."""
+    """Runs the held-out tasks with a policy as a planner; returns its training, configuration and run."""
     method, config, state = load(policy)
     made_of = weights_of(method, config, state)
     content = bytes(made_of)
@@ -64,7 +79,7 @@ def _drive(policy: Path, name: str, folder: Path) -> tuple[dict[str, Any], Confi
     log = checkpoint.parent / PROGRESS
     told = [json.loads(line) for line in log.read_text(encoding="utf-8").splitlines()] if log.exists() else []
     for line, later in zip(told, [*told[1:], {"held_out": None}]):
-        # Each stretch counts its seconds anew, and ends with what was measured.
+        # Each interval between checkpoints counts its seconds from 0, and ends with a measurement of success.
         if "held_out" in later and "seconds" in line and line["steps"] <= state["steps"]:
             seconds += line["seconds"]
     made = {

@@ -1,4 +1,4 @@
-"""A warm start: the policy first learns to do what planners did in a dataset of demonstrations."""
+"""Warm start: behaviour cloning of planners' drives from a dataset of demonstrations."""
 
 from __future__ import annotations
 
@@ -15,13 +15,27 @@ from ._config import Config, TrainingError
 from ._method import Method
 from ._network import rows
 
-#: How long after a frame the demonstrated speed is the one to aim at, s.
+#: Time after a frame whose speed is the frame's target speed, s.
 _AHEAD = 1.0
 
 
 def clone(method: Method, config: Config, folder: Path, seed: int) -> dict[str, Any]:
-    """Fits the policy's actions to the demonstrations of `vertibench dataset drive`; says what was fitted, and how well: the root of the
-    mean squared error of steering and speed, as actions."""
+    """Fits the policy's actions to demonstrations.
+
+    Args:
+        method: Algorithm whose policy is fitted.
+        config: Configuration, with the fields `clone.*`.
+        folder: Dataset of `vertibench dataset drive`.
+        seed: Seed of the order of frames.
+
+    Returns:
+        Dataset hash, numbers of episodes and frames, and `error`: root mean squared error of steering and speed in the
+        last epoch, in units of actions.
+
+    Raises:
+        TrainingError: If the dataset is unsuitable (see `demonstrations`).
+        DatasetError: If the dataset can't be read.
+    """
     observations, actions, told = demonstrations(config, folder)
     optimiser = torch.optim.Adam([p for _, p in method.action_parameters()], lr=config["clone.rate"])
     generator = torch.Generator().manual_seed(seed)
@@ -42,7 +56,21 @@ def clone(method: Method, config: Config, folder: Path, seed: int) -> dict[str, 
 
 
 def demonstrations(config: Config, folder: Path) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
-    """Observations as the policy sees them, in rows, the actions that stand for what was done, and what they are from."""
+    """Reads demonstrations as observations and actions of the policy.
+
+    Args:
+        config: Configuration of the policy.
+        folder: Dataset of `vertibench dataset drive`.
+
+    Returns:
+        Observations as rows, float32; actions equivalent to the demonstrated commands, float32, shape (frames, 2); and
+        the dataset's hash with the number of episodes.
+
+    Raises:
+        TrainingError: If planners are judged on the dataset's worlds, it has another vehicle or rate than the policy,
+            or an episode has no task.
+        DatasetError: If the dataset can't be read.
+    """
     data = datasets.open(folder)
     if data.info.of_a_suite:
         raise TrainingError(folder, "planners are judged on its worlds", "take demonstrations from training worlds")

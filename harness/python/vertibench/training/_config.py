@@ -1,4 +1,4 @@
-"""What to learn, as data."""
+"""Configuration of a training: settings as data."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from .._program import tasks_path
 
 
 class TrainingError(VertibenchError, ValueError):
-    """A configuration, a checkpoint, weights or a planner can't be used. The message is one line: where, what, what to do."""
+    """A configuration, checkpoint, weight file or planner is missing or invalid. The message is one line: where, what,
+    what to do.
+    """
 
 
-#: The fields of a configuration with the least and the greatest value of their numbers; None for what isn't a number.
+#: Fields of a configuration, with minimum and maximum of numbers; None for other fields.
 _FIELDS: dict[str, tuple[float, float] | None] = {
     "schema": (1, 1),
     "name": None,
@@ -77,24 +79,30 @@ _FIELDS: dict[str, tuple[float, float] | None] = {
     "steps": (1, 10**12),
     "checkpoint": (1, 10**12),
 }
-#: The fields among them that count something.
+#: Fields with whole numbers.
 _COUNTS = {
     *("schema", "worlds.count", "worlds.seed", "held_out.count", "held_out.seed", "environments", "network.planes", "network.kernel"),
     *("network.stride", "sac.buffer", "sac.begin", "sac.batch", "sac.updates", "sac.returns", "ppo.steps", "ppo.batch", "ppo.epochs"),
     *("ppo.hold", "clone.epochs", "clone.batch", "clone.critic", "steps", "checkpoint"),
 }
 _LISTS = {"observation": str, "labels": int, "speed_range": float, "network.widths": int}
-#: The least and the greatest entries of lists of numbers.
+#: Minimum and maximum of the entries of lists of numbers.
 _ENTRIES: dict[str, tuple[float, float]] = {"labels": (0, 255), "speed_range": (-10, 30), "network.widths": (1, 65536)}
-#: The time between two looks at what has happened, s, which a time step must divide.
+#: Sampling period of the rules, s; a multiple of the time step.
 _TICK = 0.01
-#: The values of fields that have a few only.
+#: Allowed values of fields with few choices.
 _CHOICES: dict[str, tuple[Any, ...]] = {"algorithm": ("sac", "ppo"), "action": ("speed", "rate"), "sac.mirror": (True, False)}
 
 
 @dataclass(frozen=True)
 class Config:
-    """A configuration: the values by the names of their fields, such as `ppo.batch`."""
+    """Configuration of a training. `config["ppo.batch"]` returns the value of a field.
+
+    `read_config` reads and validates it; `tasks/training/policy.yaml` documents the fields.
+
+    Attributes:
+        values: Values by field name; nested fields have names such as `sac.batch`.
+    """
 
     values: dict[str, Any]
 
@@ -102,17 +110,32 @@ class Config:
         return self.values[field]
 
     def own(self, field: str) -> Any:
-        """A field of the algorithm that is chosen."""
+        """Returns a field of the chosen algorithm.
+
+        Args:
+            field: Name without the algorithm, e.g. `"learning_rate"` for `sac.learning_rate` or `ppo.learning_rate`.
+
+        Returns:
+            The value.
+        """
         return self.values[f"{self['algorithm']}.{field}"]
 
     @property
     def hash(self) -> str:
-        """Tells configurations apart."""
+        """SHA-256 of all values, 64 hexadecimal digits."""
         text = json.dumps(self.values, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def environment(self, curriculum: str | None, seed: int) -> dict[str, Any]:
-        """The options of the vector environment that is learned in."""
+        """Returns the options of the vector environment for training.
+
+        Args:
+            curriculum: Name or file of the curriculum. None: tasks are sampled uniformly.
+            seed: Seed of the curriculum.
+
+        Returns:
+            Arguments of `NavigationVectorEnv`.
+        """
         return {
             **self.sees_and_does(),
             "worlds": self["worlds.count"],
@@ -124,16 +147,29 @@ class Config:
         }
 
     def sight(self) -> dict[str, float]:
-        """What is seen of the surroundings, in the order in which weights note it."""
+        """Returns the observation window.
+
+        Returns:
+            The argument `sight` of environments, in the order of the metadata of weights.
+        """
         return {"cells": 16, "resolution": 1.0, "ahead": self["ahead"], "points": 10, "spacing": 2.0}
 
     def held_out(self) -> dict[str, Any]:
-        """The options of an environment of the held-out worlds."""
+        """Returns the options of an environment with the held-out worlds, under the benchmark's rules and time step.
+
+        Returns:
+            Arguments of `NavigationVectorEnv`.
+        """
         own = {"worlds": self["held_out.count"], "world_seed": self["held_out.seed"], "tasks": self["held_out.tasks"]}
         return {**self.sees_and_does(), **own}
 
     def sees_and_does(self) -> dict[str, Any]:
-        """The options of environments in which policies of this configuration drive."""
+        """Returns the options that training and held-out environments share: vehicle, perception, reward, observation and
+        action.
+
+        Returns:
+            Arguments of `NavigationVectorEnv`.
+        """
         return {
             "vehicle": self["vehicle"],
             "perception": self["perception"],
@@ -146,7 +182,20 @@ class Config:
 
 
 def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | None = None) -> Config:
-    """The configuration of this name (one of `tasks/training`) or of a file. `changes` replaces fields: `{"ppo.batch": "512"}`."""
+    """Reads and validates a configuration.
+
+    Args:
+        name: Name of a file in `tasks/training` without suffix, or a YAML file; default `"policy"`.
+        changes: Fields to replace, with their values as YAML text, e.g. `{"sac.batch": "512"}`. None (default): no
+            changes.
+
+    Returns:
+        The configuration.
+
+    Raises:
+        TrainingError: If the file can't be read, a field is unknown or missing, or a value is invalid.
+        MissingError: If the package's folder of tasks is missing.
+    """
     path = Path(name)
     if path.suffix == "" and path.name == str(name):
         path = tasks_path() / "training" / f"{name}.yaml"
@@ -169,7 +218,7 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
 
 
 def checked(path: Path, values: dict[str, Any]) -> Config:
-    """A configuration of these values, which are all there and make sense; `path` is where they are from."""
+    """Validates values and returns them as configuration; `path` is their source in error messages."""
     for field, bounds in _FIELDS.items():
         if field not in values:
             raise TrainingError(path, f"{field}: the field is missing", "add it")
@@ -207,7 +256,7 @@ def _check(path: Path, field: str, value: Any, bounds: tuple[float, float] | Non
 
 
 def _problem(field: str, value: Any, bounds: tuple[float, float] | None) -> str | None:
-    """What a value must be, if it isn't."""
+    """Returns the condition that a value violates, or None."""
     if bounds is not None:
         if not _is_number(value) or not bounds[0] <= value <= bounds[1]:
             return f"lie in {bounds[0]} to {bounds[1]}"
@@ -243,7 +292,7 @@ def _problem_of_list(field: str, value: Any) -> str | None:
         try:
             from .._native import parts
         except ImportError:
-            # Without it there are no environments either, which say so.
+            # Environments report the missing module.
             return None
         known = [name for name, _, _ in parts()]
         if not set(value) <= set(known):

@@ -1,4 +1,4 @@
-"""What several runs have come to: success on held-out worlds against steps."""
+"""Curves of success in held-out worlds over training steps, for several runs."""
 
 from __future__ import annotations
 
@@ -14,20 +14,33 @@ from ._config import TrainingError
 
 #: Two-sided 95 % quantiles of Student's t by degrees of freedom, from 1.
 _T = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)
-#: Okabe and Ito's colours, which people of any colour vision tell apart.
+#: Okabe and Ito's colours, distinguishable with every type of colour vision.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 720, 400, 56, 120, 16, 48
 
-#: The columns of a table of curves.
+#: Columns of a table of curves.
 _COLUMNS = ("planner", "seed", "steps", "success_percent")
 
-#: Of each planner, by steps: the success of each seed, percent.
+#: Success in percent by planner, steps and seed.
 Points = dict[str, dict[int, dict[int, float]]]
 
 
 def curves(sources: list[Path], out: Path) -> str:
-    """Draws the curves of runs, and of tables that were written before, as an SVG with a table beside it; gives a line for each
-    planner's last point."""
+    """Plots success in held-out worlds over training steps as SVG, with a table (CSV) next to it.
+
+    The curve of a planner is the mean over its seeds, with the 95 % interval of Student's t as a band. After the steps
+    that all seeds have reached, each seed has a dashed line.
+
+    Args:
+        sources: Folders of runs, or tables that an earlier call has written.
+        out: SVG file to write; the table has the suffix `.csv`.
+
+    Returns:
+        One line per planner with its last points, and a line with the written files.
+
+    Raises:
+        TrainingError: If a source can't be read, or contains no measurement.
+    """
     points: Points = defaultdict(lambda: defaultdict(dict))
     for source in sources:
         for name, seed, steps, success in _table(source) if source.is_file() else _run(source):
@@ -43,14 +56,14 @@ def curves(sources: list[Path], out: Path) -> str:
     out.write_text(_picture(points), encoding="utf-8")
     told = []
     for name, at in sorted(points.items()):
-        # Where all seeds have come, and where the longest run ended.
+        # The last step that all seeds have reached, and the end of the longest run.
         ends = dict.fromkeys([max(steps for steps, values in at.items() if len(values) == _seeds(at)), max(at)])
         told.append(f"{name}: " + "; ".join(_told(steps, list(at[steps].values())) for steps in ends))
     return "\n".join([*told, f"{out} and {out.with_suffix('.csv')}"])
 
 
 def _seeds(at: dict[int, dict[int, float]]) -> int:
-    """How many seeds a planner has where it has most."""
+    """Returns the maximum number of seeds of a planner at any step."""
     return max(len(values) for values in at.values())
 
 
@@ -82,7 +95,7 @@ def _table(file: Path) -> list[tuple[str, int, int, float]]:
 
 
 def _interval(values: list[float]) -> tuple[float, float, float]:
-    """Mean, and the 95 % interval of the mean over seeds; the mean alone for a single seed."""
+    """Returns mean, lower and upper end of the 95 % interval over seeds; three times the mean for a single seed."""
     mean = statistics.fmean(values)
     if len(values) < 2:
         return mean, mean, mean
@@ -122,7 +135,7 @@ def _picture(points: Points) -> str:
     labels: list[tuple[float, str, str]] = []
     for (name, at), colour in zip(sorted(points.items()), _COLOURS * 9):
         seeds = _seeds(at)
-        # Means over other seeds are no curve: beyond the steps that all seeds have come to, each seed is a thin line of its own.
+        # A mean over fewer seeds would not continue the curve: after the steps that all seeds have reached, each has a thin line.
         whole = [(steps, *_interval(list(values.values()))) for steps, values in sorted(at.items()) if len(values) == seeds]
         if seeds > 1:
             edge = [f"{x(s)},{y(hi)}" for s, _, _, hi in whole] + [f"{x(s)},{y(lo)}" for s, _, lo, _ in reversed(whole)]
@@ -146,7 +159,7 @@ def _picture(points: Points) -> str:
 
 
 def _ticks(most: float) -> list[float]:
-    """Round numbers from 0 up to the greatest, five to ten of them."""
+    """Returns five to ten round numbers from 0 to the maximum."""
     size = 10.0 ** math.floor(math.log10(most))
     step = next(size * f for f in (0.1, 0.2, 0.5, 1.0) if most / (size * f) <= 10)
     return [k * step for k in range(int(most / step) + 1)]

@@ -1,7 +1,7 @@
-"""Learning in stretches between checkpoints.
+"""Learning in intervals between checkpoints.
 
-Everything that is random follows from the seed and the number of the stretch, and each stretch begins with new episodes. So training
-that was cut off goes on from its last checkpoint exactly as if it had not been.
+All random numbers follow from the seed and the index of the interval, and each interval begins with new episodes.
+Training that was interrupted therefore continues from its last checkpoint exactly as if it had not been interrupted.
 """
 
 from __future__ import annotations
@@ -29,22 +29,38 @@ from ._config import Config, TrainingError
 from ._method import Method, make_method
 from ._network import Rows, rows
 
-#: What a checkpoint is made of.
+#: Files of a checkpoint.
 MODEL, STATE = "model.pt", "state.json"
-#: What only the last checkpoint of a run has.
+#: Folder that only the last checkpoint of a run has.
 MEMORY = "memory"
-#: At least so many steps lie between two lines of progress.
+#: Minimum number of steps between two progress lines.
 TOLD = 8192
 
 
 class Learner:
-    """A planner that learns, with its folder: `progress.jsonl`, and a checkpoint after each stretch."""
+    """Training of a planner, with its folder: `progress.jsonl`, and a checkpoint after each interval.
+
+    Args:
+        folder: Folder of the run.
+        config: Configuration.
+        planner: Planner of the configuration, which determines the curriculum.
+        seed: Random seed.
+        threads: Threads that step environments.
+
+    Attributes:
+        cloned: Result of `clone`; None without a warm start.
+        envs: Vector environment for training.
+        method: Algorithm with the policy.
+
+    Raises:
+        TrainingError: If the configuration has no such planner, or the algorithm has no scores for its curriculum.
+        OptionError: If the environments can't be created.
+    """
 
     def __init__(self, folder: Path, config: Config, planner: str, seed: int, threads: int) -> None:
         self.folder, self.config, self.planner, self.seed = folder, config, planner, seed
-        #: What the policy was cloned from; None without a warm start.
         self.cloned: dict[str, Any] | None = None
-        # One thread of torch: the order of its sums, and so the weights, must not depend on how many processors there are.
+        # One torch thread: the order of sums, and so the weights, must not depend on the number of processors.
         torch.set_num_threads(1)
         torch.use_deterministic_algorithms(True)
         curriculum = curriculum_of(config, planner)
@@ -57,12 +73,12 @@ class Learner:
 
     @property
     def model(self) -> BaseAlgorithm:
-        """The policy, with values and optimisers."""
+        """Model of stable-baselines3: policy, value networks and optimisers."""
         return self.method.model
 
     @property
     def steps(self) -> int:
-        """Actions until now."""
+        """Number of environment steps so far, summed over all environments."""
         return int(self.model.num_timesteps)
 
     def _rate(self, _: float) -> float:
@@ -70,7 +86,12 @@ class Learner:
         return float(self.config.own("learning_rate") * (1.0 - done * (1.0 - self.config["final_rate"])))
 
     def learn(self, steps: int, told: Callable[[dict[str, Any]], None]) -> None:
-        """Learns until so many actions were taken in all, with a checkpoint after each stretch. `told` hears of each update."""
+        """Trains up to a number of steps, with a checkpoint after each interval.
+
+        Args:
+            steps: Total number of environment steps; the last interval is completed.
+            told: Function that receives each progress line as a dictionary.
+        """
         while self.steps < steps:
             stretch = self.steps // self.config["checkpoint"]
             seed = int(np.random.SeedSequence([self.seed, stretch]).generate_state(1)[0])
@@ -82,17 +103,31 @@ class Learner:
             told({"steps": self.steps, "held_out": success(self.model, self.config.held_out(), self.envs.num_envs)})
 
     def clone(self, demonstrations: Path) -> dict[str, Any]:
-        """Fits the policy to demonstrations before it learns by itself. None may be from a held-out world."""
+        """Fits the policy to demonstrations before training.
+
+        Args:
+            demonstrations: Dataset of `vertibench dataset drive`; it must contain no held-out world.
+
+        Returns:
+            Result of the fit, see `_clone.clone`.
+
+        Raises:
+            TrainingError: If the dataset is unsuitable.
+            OptionError: If the dataset contains a held-out world.
+            DatasetError: If the dataset can't be read.
+        """
         NavigationVectorEnv(1, apart_from=[demonstrations / "suite"], **self.config.held_out()).close()
         self.cloned = clone(self.method, self.config, demonstrations, self.seed)
         return self.cloned
 
     def _freeze(self) -> None:
-        """Lets only the layers of the value learn for a while, which know nothing yet of a policy that was cloned; then all."""
+        """Trains only the value networks for `clone.critic` steps after a warm start, because they are not fitted to the
+        cloned policy.
+        """
         self.method.freeze(self.cloned is not None and self.steps < self.config["clone.critic"])
 
     def save(self) -> None:
-        """Writes the checkpoint of now, which is whole if it is there."""
+        """Writes a checkpoint atomically, and removes the replay memory from earlier checkpoints."""
         state = {
             "planner": self.planner,
             "seed": self.seed,
@@ -120,12 +155,19 @@ class Learner:
         if curriculum is None:
             return ""
         state = curriculum.state()
-        # As whoever goes on from here does, so that both are the same.
+        # As at a continuation from this checkpoint, so that both are equal.
         curriculum.restore(state)
         return state
 
     def resume(self, checkpoint: Path) -> None:
-        """Goes on from a checkpoint."""
+        """Continues from a checkpoint.
+
+        Args:
+            checkpoint: Folder of the checkpoint.
+
+        Raises:
+            TrainingError: If the checkpoint can't be read.
+        """
         state = read_state(checkpoint)
         read_parameters(self.model, checkpoint)
         self.model.num_timesteps, self.model._n_updates = state["steps"], state["updates"]  # type: ignore[attr-defined]
@@ -136,12 +178,12 @@ class Learner:
             self.envs.vector.curriculum.restore(state["curriculum"])
 
     def close(self) -> None:
-        """Ends the threads."""
+        """Ends the threads of the environments."""
         self.envs.close()
 
 
 class Progress(BaseCallback):
-    """Tells how episodes have ended, after updates, and tells the curriculum how surprising they were."""
+    """Callback that reports the ends of episodes after updates, and reports scores to the curriculum."""
 
     def __init__(self, method: Method, envs: Sb3VecEnv, told: Callable[[dict[str, Any]], None], begins: Callable[[], None]) -> None:
         super().__init__()
@@ -209,7 +251,7 @@ class Progress(BaseCallback):
 
 
 def curriculum_of(config: Config, planner: str) -> str:
-    """The curriculum by which a planner learns."""
+    """Returns the curriculum of a planner. Raises `TrainingError` if the configuration has no such planner."""
     known = config["planners"]
     if planner not in known:
         raise TrainingError(planner, "there is no such planner in the configuration", f"there are {', '.join(known)}")
@@ -217,16 +259,32 @@ def curriculum_of(config: Config, planner: str) -> str:
 
 
 def success(model: BaseAlgorithm, options: dict[str, Any], count: int) -> dict[str, float]:
-    """How the policy, without noise, does on each task of an environment once: the share of each outcome, in percent, and how many
-    tasks there are."""
+    """Runs every task of an environment once, without exploration noise.
+
+    Args:
+        model: Model of stable-baselines3.
+        options: Arguments of `NavigationVectorEnv`.
+        count: Number of environments.
+
+    Returns:
+        Number of `tasks`, and the percentage of each outcome.
+    """
     counts = Counter(endings(lambda seen: model.predict(seen, deterministic=True)[0], options, count))
     total = sum(counts.values())
     return {"tasks": total, **{name: round(100.0 * n / total, 2) for name, n in sorted(counts.items())}}
 
 
 def endings(act: Callable[[Any], np.ndarray], options: dict[str, Any], count: int) -> list[str]:
-    """The outcomes of all tasks of an environment, in their order, for what acts on rows. An environment that has none left drives on
-    for company."""
+    """Runs every task of an environment once. Environments without a remaining task repeat their last one.
+
+    Args:
+        act: Function from observations as rows to actions.
+        options: Arguments of `NavigationVectorEnv`.
+        count: Number of environments.
+
+    Returns:
+        Outcomes, in the order of the tasks.
+    """
     envs = NavigationVectorEnv(count, autoreset_mode="DISABLED", **options)
     tasks, parts = envs.tasks, envs._setup.parts
     ended: dict[str, str] = {}
@@ -246,7 +304,7 @@ def endings(act: Callable[[Any], np.ndarray], options: dict[str, Any], count: in
 
 
 def read_state(checkpoint: Path) -> dict[str, Any]:
-    """What a checkpoint says of itself."""
+    """Reads the state of a checkpoint. Raises `TrainingError` if it can't be read."""
     try:
         return json.loads((checkpoint / STATE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
@@ -254,7 +312,7 @@ def read_state(checkpoint: Path) -> dict[str, Any]:
 
 
 def read_parameters(model: BaseAlgorithm, checkpoint: Path) -> None:
-    """Gives a model the parameters of a checkpoint, and its optimiser the state."""
+    """Loads parameters and optimiser state of a checkpoint into a model. Raises `TrainingError` if they can't be read."""
     try:
         parameters = torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True)
     except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as e:
@@ -263,6 +321,6 @@ def read_parameters(model: BaseAlgorithm, checkpoint: Path) -> None:
 
 
 def last_checkpoint(folder: Path) -> Path | None:
-    """The latest checkpoint in the folder of a run."""
+    """Returns the last checkpoint in the folder of a run; None if there is none."""
     there = sorted(folder.glob("checkpoint-*"))
     return there[-1] if there else None

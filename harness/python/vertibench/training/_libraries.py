@@ -1,4 +1,4 @@
-"""The libraries that learning needs. What needs them imports this first, so that it is told how to get them where they are missing."""
+"""Imports stable-baselines3 and torch; raises `MissingPackageError` with the extra that installs them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What training, checkpoints and export know of an algorithm."""
+"""Interface of an algorithm for training, checkpoints and export."""
 
 from __future__ import annotations
 
@@ -17,70 +17,78 @@ from ._network import Eyes, Leaky, Parts, SharedPlanes
 
 
 class Method(ABC):
-    """An algorithm of stable-baselines3 with the policy that learns by it."""
+    """Algorithm of stable-baselines3 with its policy.
 
-    #: What becomes of the network's numbers before they are an action, as weights note it; None if nothing does.
+    Args:
+        config: Configuration.
+
+    Attributes:
+        model: Model of stable-baselines3.
+        squash: Function from the network's output to an action, as in the metadata of weights; None for the identity.
+    """
+
     squash: str | None = None
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.model: BaseAlgorithm = None  # type: ignore[assignment]
 
-    # What learning needs.
+    # For training.
 
     @abstractmethod
     def begin(self, seed: int) -> None:
-        """Begins a stretch: new episodes, and what is random in the algorithm by this seed."""
+        """Begins an interval: new episodes, and the algorithm's random numbers from this seed."""
 
     @abstractmethod
     def told(self) -> dict[str, Any]:
-        """What progress tells of the algorithm."""
+        """Returns the algorithm's entries of a progress line."""
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
-        """What it remembers beside the parameters of the model and its optimisers, as JSON has it."""
+        """Returns the state that is not in the model's parameters and optimisers, JSON-compatible."""
 
     @abstractmethod
     def restore(self, state: dict[str, Any]) -> None:
-        """Goes on from what one like it remembered."""
+        """Restores the result of `state`."""
 
     def keep(self, folder: Path) -> None:  # noqa: B027
-        """Writes what it remembers beyond that, where only the last checkpoint needs it."""
+        """Writes further state that only the last checkpoint needs."""
 
     def fetch(self, folder: Path) -> None:  # noqa: B027
-        """Reads what `keep` has written."""
+        """Reads the files of `keep`."""
 
     def surprise(self) -> np.ndarray | None:
-        """How much returns differed from the values that were expected, by step and environment since the last update; None where
-        the algorithm doesn't know."""
+        """Returns absolute differences of returns and expected values, shape (steps, environments), since the last update;
+        None if unknown.
+        """
         return None
 
-    # The policy.
+    # For the policy.
 
     @abstractmethod
     def actions(self, rows: torch.Tensor) -> torch.Tensor:
-        """The policy's actions without noise."""
+        """Returns the policy's actions without noise, for observations as rows."""
 
     @abstractmethod
     def layers(self) -> tuple[Eyes, list[torch.nn.Linear]]:
-        """The eyes, and the layers behind them, of the action."""
+        """Returns the feature extractor and the dense layers of the action network."""
 
     @abstractmethod
     def action_parameters(self) -> Iterator[tuple[str, torch.nn.Parameter]]:
-        """The parameters that the action depends on, with their names."""
+        """Yields names and parameters of the action network."""
 
     @abstractmethod
     def set_spread(self, spread: float) -> None:
-        """Sets the standard deviation of actions before they are squashed."""
+        """Sets the standard deviation of actions before squashing."""
 
     def freeze(self, frozen: bool) -> None:
-        """Whether the action stays as it is while the value learns."""
+        """Fixes the action network while the value networks learn, or releases it."""
         for _, parameter in self.action_parameters():
             parameter.requires_grad = not frozen
 
 
 def policy_options(config: Config, parts: Parts) -> dict[str, Any]:
-    """The options of a policy's network, without its layers' widths."""
+    """Returns the options of a policy's networks, without the widths of layers."""
     eyes = {name: config[f"network.{name}"] for name in ("planes", "kernel", "stride")}
     shared = SharedPlanes(parts, config["labels"], config["network.relief"])
     return {
@@ -91,7 +99,7 @@ def policy_options(config: Config, parts: Parts) -> dict[str, Any]:
 
 
 def make_method(config: Config, envs: VecEnv, parts: Parts, seed: int) -> Method:
-    """The configuration's algorithm, as it is before it has learned anything."""
+    """Creates the configuration's algorithm with untrained networks."""
     from ._ppo import Ppo
     from ._sac import Sac
 

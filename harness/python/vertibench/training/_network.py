@@ -1,4 +1,4 @@
-"""What a policy sees as a row of numbers, and the network that torch trains on it and `vb_sdk::policy::PolicyNetwork` runs."""
+"""Observations as rows of numbers, and the network on them, which `vb_sdk::policy::PolicyNetwork` runs in planners."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from torch import nn
 from .._native import FLAT_BOUND, LEAK
 from ._config import TrainingError
 
-#: Numbers that change their sign where left and right change places, by the names of `vb_sdk::policy`.
+#: Entries whose sign changes in the mirror image, with the names of `vb_sdk::policy`.
 _TURNED = {"roll", "vy", "wx", "wz", "steering", "left", "fy"}
-#: Parts that have a mirror image by names and columns alone.
+#: Parts whose mirror image follows from the names of their entries.
 _MIRRORED = {"state", "goal", "path", "command", "imu"}
 
 Parts = list[dict[str, Any]]
 
 
 def width(part: dict[str, Any]) -> int:
-    """How many numbers a part has."""
+    """Returns the number of entries of a part."""
     return int(np.prod(part["shape"]))
 
 
 def rows(parts: Parts, observation: dict[str, np.ndarray]) -> np.ndarray:
-    """A row for each observation: the numbers of all parts in their order, labels as numbers."""
+    """Returns a row per observation, float32: the entries of all parts in order, with labels as numbers."""
     count = len(observation[parts[0]["name"]])
     return np.concatenate([observation[p["name"]].reshape(count, -1).astype(np.float32) for p in parts], 1)
 
 
 class Rows(VecEnvWrapper):
-    """Environments whose observations are rows: the library has returns over several steps for these only."""
+    """Wraps environments so that observations are rows; stable-baselines3 supports multi-step returns for these only."""
 
     def __init__(self, venv: Any) -> None:
         self.parts: Parts = venv.vector._setup.parts
@@ -42,7 +42,7 @@ class Rows(VecEnvWrapper):
         super().__init__(venv, observation_space=spaces.Box(-np.inf, np.inf, (count,), np.float32))
 
     def reset(self) -> np.ndarray:
-        """Begins episodes in all environments; gives their first observations."""
+        """Begins episodes in all environments and returns the first observations."""
         return rows(self.parts, self.venv.reset())  # type: ignore[arg-type]
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
@@ -55,7 +55,7 @@ class Rows(VecEnvWrapper):
 
 
 def mirror(parts: Parts) -> tuple[np.ndarray, np.ndarray]:
-    """How a row looks where left and right change places: of each number, the index of the one that it is, and its sign."""
+    """Returns the left-right mirror image of a row: for each entry, the index of its source and its sign."""
     indices, signs, begin = [], [], 0
     for part in parts:
         own = np.arange(width(part)).reshape(part["shape"])
@@ -73,24 +73,25 @@ def mirror(parts: Parts) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Leaky(nn.LeakyReLU):
-    """The activation of `vb_sdk::nn`."""
+    """Activation of `vb_sdk::nn`: leaky rectifier."""
 
     def __init__(self) -> None:
         super().__init__(LEAK)
 
 
 class Planes(nn.Module):
-    """What a convolution sees of rows: a plane for each crop of numbers, one of heights with that of its relief behind it where there is
-    one, then for each part of labels one plane for each label, which is 1 where the label is; and all other numbers beside them.
+    """Converts rows to the input of a convolution.
 
-    Numbers are divided by their usual sizes and limited.
+    Each crop of numbers becomes a plane; a height crop is followed by its relief if `relief` is above 0. Then each crop
+    of labels becomes one plane per label, 1 where the label is and 0 elsewhere. All other entries are returned next to
+    the planes. Numbers are divided by their normalisation scales and clipped.
     """
 
     def __init__(self, parts: Parts, labels: list[int], relief: float) -> None:
         super().__init__()
         self.parts, self.relief = parts, relief
         crops = [p for p in parts if p["is_crop"]]
-        #: Rows and columns of a plane, how many planes there are, and how many numbers beside them.
+        #: Rows and columns of a plane, number of planes, and number of other entries.
         self.cells = crops[0]["shape"][0] if crops else 0
         self.count = sum(self._planes(p, labels) for p in crops)
         self.beside = sum(width(p) for p in parts if not p["is_crop"])
@@ -121,16 +122,17 @@ class Planes(nn.Module):
                 continue
             numbers.append((plane / usual[0]).clamp(-FLAT_BOUND, FLAT_BOUND))
             if self._has_relief(part):
-                # A ledge that stops a wheel is a few decimetres; beside hills of metres a network would be slow to see it.
+                # A step that stops a wheel is a few decimetres high; next to hills, a network would learn slowly to detect it.
                 numbers.append((self.relief * ((plane - self.around(plane)) / usual[0])).clamp(-FLAT_BOUND, FLAT_BOUND))
         planes = torch.cat(numbers + labelled, 1) if self.count else row[:, :0]
         return planes, torch.cat(others, 1)
 
 
 class Eyes(BaseFeaturesExtractor):
-    """What the layers of action and value both see: a convolution over the planes, and all other numbers beside it.
+    """Feature extractor of action and value networks: a convolution over the planes, next to all other entries.
 
-    An update shows the same rows to several networks with eyes of their own; `shared` makes the planes once for all of them.
+    An update passes the same rows to several networks, each with its own extractor; `shared` computes their planes
+    once.
     """
 
     def __init__(self, space: spaces.Box, shared: SharedPlanes, planes: int, kernel: int, stride: int) -> None:
@@ -149,7 +151,7 @@ class Eyes(BaseFeaturesExtractor):
 
 
 class SharedPlanes:
-    """Planes of rows, with the last two that were made: an update looks at the rows of now and of later in turn."""
+    """Planes of rows, with a cache of the last two results: an update alternates between current and next observations."""
 
     def __init__(self, parts: Parts, labels: list[int], relief: float) -> None:
         self.planes = Planes(parts, labels, relief)

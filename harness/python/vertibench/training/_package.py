@@ -1,4 +1,4 @@
-"""Makes a planner of weights, without Rust: the planner `learned` has room for them in its file."""
+"""Makes planners from weights without Rust: the shipped planner `learned.wasm` has space for them in its file."""
 
 from __future__ import annotations
 
@@ -12,20 +12,28 @@ from .._program import plugin_path
 from ._config import TrainingError
 from ._weights import read_weights
 
-#: The bytes by which the room is found, and how many bytes of weights it takes (plugins/learned/src/lib.rs).
+#: Bytes that mark the space for weights, and its size in bytes (plugins/learned/src/lib.rs).
 MARK = b"vertibench: room for weights ->\n"
 CAPACITY = 1 << 20
-#: The section with a planner's metadata (sdk/src/export.rs).
+#: Name of the section with a planner's metadata (sdk/src/export.rs).
 METADATA = b"vb:planner"
-#: The kinds of section that may hold it, or a module with it.
+#: Kinds of sections that can contain it, or a module with it.
 _CUSTOM, _CORE_MODULE, _COMPONENT = 0, 1, 4
 _NAME = re.compile(r"[a-z0-9_-]+")
 
 
 def package(weights: str | PathLike[str], planner: str | PathLike[str], name: str, about: str) -> None:
-    """Writes a planner that drives by the weights of a file that `export` has written.
+    """Makes a planner that runs a policy.
 
-    `name` may hold `a-z`, `0-9`, `-` and `_`; `about` is what `vertibench inspect` says of the planner.
+    Args:
+        weights: Weight file that `export` has written, up to 1 MiB.
+        planner: File to write, e.g. `my-policy.wasm`; an existing file is overwritten.
+        name: Name of the planner: `a-z`, `0-9`, `-` and `_`.
+        about: Description, which `vertibench inspect` prints.
+
+    Raises:
+        TrainingError: If the weights can't be read or are too large, or the name is invalid.
+        MissingError: If the package's planner `learned.wasm` is missing.
     """
     notes, content = read_weights(weights)
     if not _NAME.fullmatch(name):
@@ -58,7 +66,9 @@ def _filled(template: bytes, content: bytes) -> bytes:
 
 
 def metadata(text: str, fields: dict[str, str], needs: list[str]) -> str:
-    """The metadata of a planner with other values: lines `key: value`, where line breaks are escaped."""
+    """Returns the metadata of a planner (lines `key: value` with escaped line breaks) with these fields and needs
+    replaced.
+    """
     lines = [line for line in text.splitlines() if line.partition(": ")[0] not in ("name", "about", "need", "model")]
     own = [f"{key}: {_escaped(value)}" for key, value in fields.items()] + [f"need: {sensor}" for sensor in needs]
     return "\n".join([*lines, *own, ""])
@@ -69,7 +79,7 @@ def _escaped(value: str) -> str:
 
 
 def rewrite(wasm: bytes, change: Callable[[str], str]) -> bytes:
-    """A WASM module or component in which the metadata of the planner is changed, wherever the section lies."""
+    """Returns a WASM module or component in which the planner's metadata section, at any nesting, is replaced."""
     sections = [wasm[:8]]
     at = 8
     while at < len(wasm):
@@ -89,7 +99,7 @@ def rewrite(wasm: bytes, change: Callable[[str], str]) -> bytes:
 
 
 def _number(data: bytes, at: int) -> tuple[int, int]:
-    """A number as WASM writes it (LEB128), and where it ends."""
+    """Decodes a number of WASM (LEB128); returns it and the position after it."""
     value = shift = 0
     while True:
         byte = data[at]

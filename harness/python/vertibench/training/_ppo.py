@@ -1,4 +1,4 @@
-"""Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347), as stable-baselines3 has it."""
+"""Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347) of stable-baselines3."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._network import Eyes, Parts
 
 
 class Ppo(Method):
-    """PPO with returns that are normalised."""
+    """PPO with normalised returns."""
 
     model: PPO
 

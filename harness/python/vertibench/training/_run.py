@@ -1,4 +1,4 @@
-"""A training run: its folder, and going on with it."""
+"""Training runs: start, continuation and evaluation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._learn import MODEL, Learner, last_checkpoint, read_parameters, read_state
 from ._method import Method, make_method
 from ._network import Rows
 
-#: What was told of each update and of each checkpoint, a line of JSON for each.
+#: File with the progress of training, one JSON object per line.
 PROGRESS = "progress.jsonl"
 
 
@@ -28,8 +28,29 @@ def train(
     demonstrations: Path | None,
     out: TextIO,
 ) -> None:
-    """Trains a planner into a folder; goes on from the last checkpoint if there is one, and else begins with demonstrations if some
-    are given."""
+    """Trains a planner in a folder, or continues from the folder's last checkpoint.
+
+    The result is the same, byte for byte, with interruptions and with any number of threads.
+
+    Args:
+        planner: Planner of the configuration: `rl`, `mcl` or `acl` by default.
+        folder: Folder of the run, created if it doesn't exist.
+        seed: Random seed.
+        config_name: Name of a file in `tasks/training`, or a file.
+        changes: Fields to replace, as in `read_config`.
+        until: Number of environment steps at which to stop, rounded up to a checkpoint. None: the configuration's
+            `steps`, which is also the maximum.
+        threads: Threads that step environments. None: the number of processors.
+        demonstrations: Dataset of `vertibench dataset drive` from which a new run clones the policy first. None: no
+            warm start.
+        out: Stream for progress lines.
+
+    Raises:
+        TrainingError: If the configuration is invalid, has no such planner, or differs from that of the run in the
+            folder; or if a checkpoint is damaged or the demonstrations are unsuitable.
+        DatasetError: If the demonstrations can't be read.
+        OptionError: If the environments can't be created.
+    """
     config = read_config(config_name, changes)
     checkpoint = last_checkpoint(folder)
     if checkpoint is not None:
@@ -65,7 +86,7 @@ def _same(folder: Path, state: dict[str, Any], planner: str, seed: int, config: 
 
 
 def _forget(log: Path, steps: int) -> None:
-    """Drops what was told after the checkpoint from which training goes on."""
+    """Removes progress lines after the checkpoint from which training continues."""
     if log.exists():
         lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
         log.write_text("".join(line for line in lines if line.endswith("\n") and json.loads(line)["steps"] <= steps), encoding="utf-8")
@@ -82,7 +103,7 @@ def _short(line: dict[str, Any]) -> str:
 
 
 def checkpoint_of(folder: Path) -> Path:
-    """The folder itself if it is a checkpoint, else the last checkpoint of the run in it."""
+    """Returns the folder itself if it is a checkpoint, otherwise the last checkpoint of the run in it."""
     if (folder / MODEL).exists():
         return folder
     checkpoint = last_checkpoint(folder)
@@ -92,7 +113,7 @@ def checkpoint_of(folder: Path) -> Path:
 
 
 def load(folder: Path) -> tuple[Method, Config, dict[str, Any]]:
-    """The policy of a checkpoint, its configuration, and what the checkpoint says of itself."""
+    """Returns the policy of a checkpoint, its configuration, and its state."""
     from ..envs.sb3 import make_vec
 
     checkpoint = checkpoint_of(folder)
@@ -106,7 +127,22 @@ def load(folder: Path) -> tuple[Method, Config, dict[str, Any]]:
 
 
 def evaluate(folder: Path, suite: str | None, tasks: str | None) -> dict[str, float]:
-    """The shares of outcomes, in percent, of a checkpoint's policy without noise."""
+    """Measures the success of a checkpoint's policy, without exploration noise.
+
+    Each task is run once, with the benchmark's rules and time step.
+
+    Args:
+        folder: Folder of a run, for its last checkpoint, or of a checkpoint.
+        suite: Suite directory, or name of a shipped suite. None: the held-out worlds of the configuration.
+        tasks: Task selector. None: the configuration's held-out tasks, or all tasks of `suite`.
+
+    Returns:
+        Number of `tasks`, and the percentage of each outcome, 0 to 100.
+
+    Raises:
+        TrainingError: If there is no readable checkpoint.
+        OptionError: If the suite or a task doesn't exist.
+    """
     method, config, _ = load(folder)
     options = config.held_out()
     if suite is not None:

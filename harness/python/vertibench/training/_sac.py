@@ -1,4 +1,4 @@
-"""Soft actor-critic (Haarnoja et al. 2018, arXiv 1812.05905) with returns over several steps, as stable-baselines3 has it."""
+"""Soft actor-critic (Haarnoja et al. 2018, arXiv 1812.05905) of stable-baselines3, with multi-step returns."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ._config import Config, TrainingError
 from ._method import Method, policy_options
 from ._network import Eyes, Parts, mirror
 
-#: The file of a checkpoint with the steps that are remembered, and what of them is in it.
+#: File of a checkpoint with the replay buffer, and the arrays in it.
 BUFFER = "buffer.npz"
 _COLUMNS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 
 
 class Sac(Method):
-    """SAC."""
+    """SAC with multi-step returns and mirror augmentation."""
 
     model: SAC
     squash = "tanh"
@@ -98,10 +98,10 @@ class Sac(Method):
 
 
 class Memory(NStepReplayBuffer):
-    """The steps that SAC learns from.
+    """Replay buffer of SAC.
 
-    Where `mirrored` is given, half of those that are drawn are seen in a mirror: a vehicle doesn't know left from right, and so each
-    step teaches two.
+    With `mirrored`, half of each batch is replaced with its mirror image (mirror augmentation, p = 0.5), because the
+    vehicle is symmetric.
     """
 
     def __init__(self, *arguments: Any, mirrored: tuple[np.ndarray, np.ndarray] | None, **options: Any) -> None:
@@ -115,24 +115,24 @@ class Memory(NStepReplayBuffer):
             indices, signs = torch.from_numpy(self.mirrored[0]), torch.from_numpy(self.mirrored[1])
             for seen in (drawn.observations, drawn.next_observations):
                 seen[:half] = seen[:half, indices] * signs
-            # An action is steering, or the change of it, and a speed.
+            # An action consists of steering, or its change, and speed.
             drawn.actions[:half, 0] *= -1.0
         return drawn
 
     def cut(self) -> None:
-        """The last steps have no successors: as if time had run out, so that no return reaches into the next episodes."""
+        """Marks the last steps as time-outs, so that no return extends into the following episodes."""
         if self.size():
             last = self.pos - 1
             self.timeouts[last] = np.maximum(self.timeouts[last], 1.0 - self.dones[last])
             self.dones[last] = 1.0
 
     def keep(self, file: Path) -> None:
-        """Writes all steps into a file."""
+        """Writes all steps to a file."""
         size = self.size()
         np.savez(file, pos=self.pos, full=self.full, **{name: getattr(self, name)[:size] for name in _COLUMNS})
 
     def fetch(self, file: Path) -> None:
-        """Reads what `keep` has written."""
+        """Reads the file of `keep`."""
         try:
             with np.load(file) as kept:
                 for name in _COLUMNS:

@@ -1,4 +1,4 @@
-"""Files of weights, as `vb_sdk::nn` reads them."""
+"""Weight files in the format of `vb_sdk::nn`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,14 @@ _FIRST = "vb-nn: 1"
 
 @dataclass(frozen=True)
 class Layer:
-    """A layer: the line of the head that announces it, weights and bias."""
+    """Layer of a network.
+
+    Attributes:
+        line: Line of the file's header that declares the layer.
+        weights: Weights, float32; of a dense layer (outputs, inputs), of a convolution (outputs, inputs, rows,
+            columns).
+        bias: Bias, float32, shape (outputs,).
+    """
 
     line: str
     weights: np.ndarray
@@ -24,7 +31,12 @@ class Layer:
 
 @dataclass(frozen=True)
 class Weights:
-    """Networks with what is said of them."""
+    """Layers of networks with metadata. `bytes(weights)` returns the content of a weight file.
+
+    Attributes:
+        notes: Metadata by key.
+        layers: Layers, in the order of the file.
+    """
 
     notes: dict[str, str]
     layers: list[Layer]
@@ -36,19 +48,29 @@ class Weights:
 
 
 def dense(name: str, weights: np.ndarray, bias: np.ndarray) -> Layer:
-    """A dense layer, with a row of weights for each output."""
+    """Returns a dense layer; weights have the shape (outputs, inputs)."""
     outputs, inputs = weights.shape
     return Layer(f"layer: {name} {inputs} {outputs}", weights, bias)
 
 
 def convolution(name: str, cells: int, weights: np.ndarray, bias: np.ndarray, stride: int) -> Layer:
-    """A convolution over squares of cells, with weights by plane of output, plane of input, row and column."""
+    """Returns a convolution over squares of `cells` × `cells`; weights have the shape (outputs, inputs, rows, columns)."""
     outputs, planes, kernel, _ = weights.shape
     return Layer(f"convolution: {name} {planes} {cells} {cells} {outputs} {kernel} {stride} 0", weights, bias)
 
 
 def read_weights(path: str | PathLike[str]) -> tuple[dict[str, str], bytes]:
-    """What a file of weights says of them, and its bytes. The harness checks the rest of it."""
+    """Reads the metadata of a weight file. The layers are not parsed; the harness validates them.
+
+    Args:
+        path: File that `export` has written.
+
+    Returns:
+        Metadata by key, and the whole content of the file.
+
+    Raises:
+        TrainingError: If the file can't be read, or is no weight file.
+    """
     path = Path(path)
     try:
         content = path.read_bytes()
