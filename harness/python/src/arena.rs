@@ -1,4 +1,4 @@
-//! What environments share.
+//! Settings that environments share.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -15,13 +15,13 @@ use vb_sdk::policy::{ActionKind, Dtype, Sight};
 use crate::arrays::copied;
 use crate::errors;
 
-/// What environments of one kind share: tasks, vehicle, observation, action, reward.
+/// Settings that environments share: tasks, vehicle, observation, action and reward.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Arena {
     pub(crate) inner: Arc<vb_env::Arena>,
 }
 
-/// A reward as it is given: a name or a file, or weights by the terms' names.
+/// A reward argument: name or file, or weights by term.
 #[derive(FromPyObject)]
 enum Wanted {
     Named(String),
@@ -67,7 +67,7 @@ impl Arena {
         let mut seen = Sight::default();
         for (name, value) in sight {
             match name.as_str() {
-                // What is no count is out of range as a count, too.
+                // A value that is no whole number becomes a count out of range.
                 "cells" => seen.cells = value as usize,
                 "points" => seen.points = value as usize,
                 "resolution" => seen.resolution = value,
@@ -101,11 +101,11 @@ impl Arena {
             action,
             reward: reward.map_err(raise)?,
         };
-        // Worlds may have to be made, which takes a while: on a thread, so that Ctrl-C ends the waiting.
+        // Generating worlds takes a while: on a thread, so that Ctrl-C ends the waiting.
         let (sender, mut receiver) = mpsc::channel();
         let made = std::thread::Builder::new().stack_size(16 << 20).spawn(move || {
             let arena = vb_env::Arena::new(&Catalog::at(tasks_dir), options, &mut || {});
-            // Nobody listens any more if the waiting was ended.
+            // There is no receiver if the waiting was ended.
             let _ = sender.send(arena);
         });
         made.map_err(|e| raise(EnvError::Thread(e)))?;
@@ -121,8 +121,8 @@ impl Arena {
         }
     }
 
-    /// The parts of an observation: dictionaries of name, about, dtype, shape, and for the innermost axis names, units, low, high
-    /// and usual.
+    /// Returns the parts of an observation: dictionaries with `name`, `about` (description), `is_crop`, `dtype`, `shape`, and along
+    /// the innermost axis `names`, `units`, `low`, `high` and `usual` (normalisation scales).
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let part = |p: &vb_sdk::policy::Part| {
             let all = PyDict::new(py);
@@ -142,31 +142,32 @@ impl Arena {
         self.inner.layout().parts().iter().map(part).collect()
     }
 
-    /// The number of numbers of a flat observation.
+    /// Number of entries of a flat observation.
     #[getter]
     fn flat_width(&self) -> usize {
         self.inner.layout().flat_width()
     }
 
-    /// The bound of the numbers of a flat observation.
+    /// Maximum absolute value of an entry of a flat observation.
     #[getter]
     fn flat_bound(&self) -> f32 {
         vb_sdk::policy::Layout::FLAT_BOUND
     }
 
-    /// The numbers of an action, as (name, low, high, what it means).
+    /// Returns the entries of an action, as (name, minimum, maximum, description).
     fn action(&self) -> Vec<(&'static str, f64, f64, &'static str)> {
         let dimensions = self.inner.action().dimensions();
         dimensions.iter().map(|d| (d.name, d.low, d.high, d.about)).collect()
     }
 
-    /// The weights of the reward's terms, by their names.
+    /// Returns the weights of the reward, by term.
     fn weights(&self) -> BTreeMap<&'static str, f64> {
         vb_env::TERMS.iter().map(|t| t.name).zip(self.inner.reward().weights).collect()
     }
 
-    /// What a policy would have seen in a drive of a task: an array for each part, with a row for each frame. `states` has the 15
-    /// entries of a dataset's `observation.state`, `commands` steering, throttle and brake that held until then.
+    /// Returns the observations of a policy in a recorded drive of a task: an array per part, with a row per frame. `states` has
+    /// the 15 entries of a dataset's `observation.state`, shape (frames, 15). `commands` has steering, throttle and brake that were
+    /// applied until the frame, shape (frames, 3). Raises `OptionError` for other shapes, `UnknownError` for an unknown task.
     fn recall<'py>(
         &self,
         py: Python<'py>,
@@ -196,18 +197,18 @@ impl Arena {
         columns.iter().zip(self.inner.layout().parts()).map(array).collect()
     }
 
-    /// The folder of the suite that the tasks are of.
+    /// Folder of the tasks' suite.
     #[getter]
     fn suite(&self) -> PathBuf {
         self.inner.suite().dir().to_owned()
     }
 
-    /// The names of the tasks.
+    /// Returns the names of the tasks, in the order of the suite.
     fn tasks(&self) -> Vec<String> {
         self.inner.tasks().iter().map(ToString::to_string).collect()
     }
 
-    /// The time between two actions, s.
+    /// Simulated time between two actions, s.
     #[getter]
     fn control_period(&self) -> f64 {
         self.inner.control_period()

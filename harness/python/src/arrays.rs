@@ -1,11 +1,11 @@
-//! Numbers of Rust as arrays of numpy.
+//! Rust numbers as NumPy arrays.
 
 use numpy::ndarray::{ArrayView, IxDyn};
 use numpy::{Element, PyArray, PyArray1, PyArrayMethods as _};
 use pyo3::prelude::*;
 use vb_env::Pointer;
 
-/// A copy of numbers as an array of this shape.
+/// Returns a copy of the numbers as an array of this shape.
 pub(crate) fn copied<'py, T: Element>(
     py: Python<'py>,
     numbers: &[T],
@@ -15,7 +15,7 @@ pub(crate) fn copied<'py, T: Element>(
     Ok(array.reshape(shape)?.into_any())
 }
 
-/// An array of this shape over memory of Rust, which `owner` keeps alive.
+/// Returns an array of this shape over Rust memory, which `owner` keeps alive.
 ///
 /// # Safety
 /// The memory has as many numbers as the shape says, doesn't move, and lives as long as `owner`. It is written by other threads

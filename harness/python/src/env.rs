@@ -1,4 +1,4 @@
-//! One environment.
+//! The single environment.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,13 +11,13 @@ use crate::arena::Arena;
 use crate::arrays::copied;
 use crate::errors;
 
-/// One environment: an episode after another.
+/// A single environment with at most one episode at a time.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Env {
     inner: Mutex<vb_env::Env>,
 }
 
-/// An environment as it was at some time.
+/// Saved state of an environment.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Snapshot {
     pub(crate) inner: vb_env::Snapshot,
@@ -25,7 +25,7 @@ pub(crate) struct Snapshot {
 
 #[pymethods]
 impl Snapshot {
-    /// The snapshot for another process: how it was reached.
+    /// Returns the snapshot for another process: task, seed and all actions.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = errors::guarded(py, || self.inner.to_bytes())?;
         Ok(PyBytes::new(py, &bytes))
@@ -33,8 +33,8 @@ impl Snapshot {
 }
 
 impl Env {
-    /// The environment. It must be let go of before anything of Python is made: that may let another thread of Python run, which
-    /// would wait for it and never give Python's lock back.
+    /// Locks the environment. Release it before creating Python objects: that may switch to another Python thread, which would
+    /// wait for this lock and never release Python's.
     fn lock(&self) -> MutexGuard<'_, vb_env::Env> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -47,7 +47,8 @@ impl Env {
         Self { inner: Mutex::new(vb_env::Env::new(arena.inner.clone(), seed)) }
     }
 
-    /// Begins an episode.
+    /// Begins an episode. `seed` determines tasks and sensor noise from now on (None: continues); `task` and `run_seed` (the seed
+    /// of the sensor noise) are sampled if None. Raises `UnknownError` for an unknown task.
     #[pyo3(signature = (seed=None, task=None, run_seed=None))]
     fn reset(
         &self,
@@ -59,13 +60,14 @@ impl Env {
         errors::guarded(py, || self.lock().reset(&Reset { seed, task, run_seed }))
     }
 
-    /// Drives on; gives the reward, the worth of its terms, and whether the episode has terminated or was truncated.
+    /// Simulates one action; returns the reward, the values of its terms, and whether the episode has terminated or was truncated.
+    /// Raises `ActionError` for a wrong length or a number that is not finite, `EpisodeError` without a running episode.
     fn step(&self, py: Python<'_>, action: Vec<f64>) -> PyResult<(f64, Terms, bool, bool)> {
         let step = errors::guarded(py, || self.lock().step(&action))?;
         Ok((step.reward, step.terms, step.terminated, step.truncated))
     }
 
-    /// The parts of the observation as fresh arrays, in order.
+    /// Returns the parts of the observation as new arrays, in order.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let arena = self.lock().arena().clone();
         let part = |(k, part): (usize, &vb_sdk::policy::Part)| match part.dtype {
@@ -83,7 +85,7 @@ impl Env {
         arena.layout().parts().iter().enumerate().map(part).collect()
     }
 
-    /// The flat observation as a fresh array.
+    /// Returns the flat observation as a new array.
     fn observe_flat<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let to = {
             let env = self.lock();
@@ -94,33 +96,33 @@ impl Env {
         copied(py, &to, &[to.len()])
     }
 
-    /// The name of the task, and the seed of the sensors' noise; None without an episode.
+    /// Returns the task name and the seed of the sensor noise; None without an episode.
     fn episode(&self) -> Option<(String, u64)> {
         let env = self.lock();
         Some((env.task()?.to_owned(), env.run_seed()?))
     }
 
-    /// The record of the episode as JSON, once it has ended.
+    /// Returns the record of an ended episode as JSON; otherwise None.
     fn record(&self) -> Option<String> {
         self.lock().record().and_then(|r| serde_json::to_string(r).ok())
     }
 
-    /// The environment as it is now.
+    /// Saves the state of the environment.
     fn snapshot(&self, py: Python<'_>) -> Snapshot {
         Snapshot { inner: py.detach(|| self.lock().snapshot()) }
     }
 
-    /// Goes back to how it was.
+    /// Restores a state. Raises `OptionError` if it is from an environment with other options.
     fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
         errors::guarded(py, || self.lock().restore(&snapshot.inner))
     }
 
-    /// Goes back to a snapshot that another process wrote, by driving there again.
+    /// Restores the bytes of a snapshot by repeating its actions. Raises `OptionError` if they are invalid or from other options.
     fn restore_from(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
         errors::guarded(py, || self.lock().restore_from(bytes))
     }
 
-    /// The true state of the vehicle as a dictionary; None without an episode.
+    /// Returns the true state of the vehicle as a dictionary; None without an episode.
     fn vehicle<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(state) = self.lock().vehicle() else { return Ok(None) };
         let all = PyDict::new(py);
@@ -139,7 +141,8 @@ impl Env {
         Ok(Some(all))
     }
 
-    /// Start (x, y, heading), goal (x, y), its radius, and the path's points of the task; None without an episode.
+    /// Returns name, start (x, y, heading), goal (x, y), goal radius, time limit and path points (n, 2) of the task, in m, rad
+    /// and s; None without an episode.
     fn task<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(brief) = self.lock().brief().cloned() else { return Ok(None) };
         let all = PyDict::new(py);
@@ -153,7 +156,7 @@ impl Env {
         Ok(Some(all))
     }
 
-    /// A picture of the episode: height x width x 3 numbers of 8 bits.
+    /// Renders the episode from the camera `chase` or `top`: an image of shape (height, width, 3), uint8.
     fn render<'py>(
         &self,
         py: Python<'py>,
@@ -166,7 +169,7 @@ impl Env {
         copied(py, &picture, &[height as usize, width as usize, 3])
     }
 
-    /// Whether there is an episode; raises what a step would raise without one.
+    /// Raises `EpisodeError` if there is no episode.
     fn check(&self, py: Python<'_>) -> PyResult<()> {
         let is_there = self.lock().task().is_some();
         if is_there { Ok(()) } else { Err(errors::exception(py, &EnvError::NoEpisode)) }

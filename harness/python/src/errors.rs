@@ -1,14 +1,14 @@
-//! Errors of Rust as exceptions of the package.
+//! Rust errors as exceptions of the package.
 
 use pyo3::prelude::*;
 use vb_env::EnvError;
 
-/// The exception for an error: a class of `vertibench._errors`, with the same text.
+/// Returns the exception for an error: a class of `vertibench._errors`, with the same text.
 pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
     let class = match error {
         EnvError::ActionLength { .. } | EnvError::Action { .. } => "ActionError",
         EnvError::NoEpisode | EnvError::Ended(_) | EnvError::Pending(_) | EnvError::Nothing => "EpisodeError",
-        // No option is wrong: another task can be begun.
+        // The options are valid: other tasks can be begun.
         error if error.is_divergence() => "EpisodeError",
         EnvError::NoTask { .. } | EnvError::NoEnv { .. } => "UnknownError",
         EnvError::Panic(_) => "PanicError",
@@ -17,9 +17,9 @@ pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
     named(py, class, &error.to_string())
 }
 
-/// An exception of the package by the name of its class.
+/// Returns an exception of the package, by the name of its class.
 pub(crate) fn named(py: Python<'_>, class: &str, message: &str) -> PyErr {
-    // Texts of libraries may span lines; ours never do.
+    // Messages of libraries may have several lines.
     let message = message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     let made = py
         .import("vertibench._errors")
@@ -31,7 +31,7 @@ pub(crate) fn named(py: Python<'_>, class: &str, message: &str) -> PyErr {
     }
 }
 
-/// Does some work without Python's lock. A panic becomes an error: it must not end the interpreter.
+/// Calls a function without Python's lock. A panic becomes an error, because it must not end the interpreter.
 pub(crate) fn guarded<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, EnvError> + Send,

@@ -1,4 +1,4 @@
-//! Fleets on a GPU, and arrays there that other libraries read and write, by DLPack.
+//! Fleets on a GPU, and their GPU arrays, which other libraries access through DLPack.
 
 use std::ffi::c_void;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use vb_gpu::{Course, CourseError, GpuError, Options, STATE};
 use crate::arrays::copied;
 use crate::errors;
 
-/// Why there is no fleet, or it can't go on.
+/// Reason why a fleet can't be created or can't continue.
 #[derive(Debug)]
 enum FleetError {
     Course(CourseError),
@@ -35,12 +35,12 @@ impl FleetError {
     }
 }
 
-/// Does some work without Python's lock.
+/// Calls a function without Python's lock.
 fn work<T: Send>(py: Python<'_>, of: impl FnOnce() -> Result<T, FleetError> + Send) -> PyResult<T> {
     errors::guarded(py, || Ok(of()))?.map_err(|e| e.exception(py))
 }
 
-/// Vehicles on a GPU that are stepped together.
+/// Vehicles on a GPU that one call steps together.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Fleet {
     inner: Arc<Mutex<vb_gpu::Fleet>>,
@@ -92,30 +92,30 @@ impl Fleet {
         Ok(Self { inner: Arc::new(Mutex::new(fleet)), course, vehicles, device })
     }
 
-    /// The tasks' names.
+    /// Returns the names of the tasks.
     fn tasks(&self) -> Vec<String> {
         self.course.names()
     }
 
-    /// The tasks' starts, as x, y and yaw.
+    /// Returns the starts of the tasks: x (m), y (m), heading (rad); shape (tasks, 3).
     fn starts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let of = |start: vb_world::Pose2| [start.x, start.y, start.yaw];
         let rows: Vec<_> = self.course.tasks.iter().map(|(_, task)| of(task.start)).collect();
         copied(py, rows.as_flattened(), &[rows.len(), 3])
     }
 
-    /// The tasks' goals, as x and y.
+    /// Returns the goals of the tasks: x (m), y (m); shape (tasks, 2).
     fn goals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let rows: Vec<_> = self.course.tasks.iter().map(|(_, task)| task.goal).collect();
         copied(py, rows.as_flattened(), &[rows.len(), 2])
     }
 
-    /// The number of each task's world.
+    /// Returns the number of each task's world.
     fn worlds(&self) -> Vec<usize> {
         self.course.tasks.iter().map(|(world, _)| *world).collect()
     }
 
-    /// The heights of a world's nodes, with the distance between them; None if there is no such world.
+    /// Returns the heights of a world's nodes and the distance between nodes, m; None if there is no such world.
     fn ground<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Option<(Bound<'py, PyAny>, f64)>> {
         let Some(world) = self.course.worlds.get(world) else { return Ok(None) };
         let ground = &world.heightfield;
@@ -123,12 +123,12 @@ impl Fleet {
         Ok(Some((heights, ground.resolution())))
     }
 
-    /// The simulator's time step, s.
+    /// Returns the simulation time step, s.
     fn time_step(&self) -> f64 {
         self.course.setting.options.step
     }
 
-    /// Lets vehicles begin the tasks of these numbers, those of negative ones go on; without numbers, as `resets` says.
+    /// Lets each vehicle begin the task with this number; vehicles with negative numbers continue. None: uses the array `resets`.
     #[pyo3(signature = (tasks=None))]
     fn reset(&self, py: Python<'_>, tasks: Option<Vec<i64>>) -> PyResult<()> {
         let tasks = tasks.map(|tasks| tasks.into_iter().map(|task| usize::try_from(task).ok()).collect());
@@ -138,35 +138,35 @@ impl Fleet {
         })
     }
 
-    /// Drives all vehicles on by so many steps.
+    /// Simulates all vehicles for a number of time steps.
     fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
         self.with(py, |fleet| fleet.advance(steps))
     }
 
-    /// Compares the first vehicles with the CPU's, over so many seconds; returns how many were compared.
+    /// Compares the first vehicles with the CPU over a simulated time, s; returns the number of compared vehicles.
     fn verify(&self, py: Python<'_>, vehicles: usize, seconds: f64) -> PyResult<usize> {
         self.with(py, |fleet| fleet.verify(&self.course, vehicles, seconds))
     }
 
-    /// Of each vehicle the hash of all its states since its start.
+    /// Returns the hash of each vehicle's states since its start.
     fn hashes(&self, py: Python<'_>) -> PyResult<Vec<u64>> {
         self.with(py, |fleet| fleet.hashes())
     }
 
-    /// The arrays on the GPU: states, controls, resets and faults.
+    /// Returns the arrays on the GPU: states, controls, resets and faults.
     fn arrays(&self, py: Python<'_>) -> PyResult<[Array; 4]> {
         let at = self.with(py, |fleet| Ok(fleet.arrays()))?;
         Ok([
             self.array(at.states, Some(STATE.len()), f64::DTYPE),
             self.array(at.controls, Some(4), f64::DTYPE),
             self.array(at.resets, None, i32::DTYPE),
-            // Few libraries know unsigned numbers; a fault is a small one.
+            // Few libraries support unsigned numbers; fault numbers are small.
             self.array(at.faults, None, i32::DTYPE),
         ])
     }
 }
 
-/// An array on the GPU: what `from_dlpack` of other libraries takes. It shows the fleet's own memory, and keeps that alive.
+/// Array in the fleet's own GPU memory, for `from_dlpack` of other libraries. It keeps the memory alive.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct Array {
     fleet: Arc<Mutex<vb_gpu::Fleet>>,
@@ -213,7 +213,7 @@ impl DlpackExporter for Array {
         DlpackFlags::empty()
     }
 
-    /// Nothing of a fleet is under way when one of its methods has returned, so there is nothing to wait for.
+    /// Does nothing: when a method of the fleet has returned, the GPU has finished its work.
     fn prepare_export(&self, _: Python<'_>, _: &ExportRequest<'_>) -> PyResult<()> {
         Ok(())
     }
@@ -229,7 +229,7 @@ impl DlpackExporter for Array {
 
 #[pymethods]
 impl Array {
-    /// The lengths of the array along its axes.
+    /// Lengths of the axes.
     #[getter]
     fn shape(&self) -> Vec<usize> {
         [self.rows].into_iter().chain(self.columns).collect()

@@ -1,4 +1,4 @@
-//! `vertibench._native`: what the Python package `vertibench` has in Rust. The package wraps it; users don't meet it.
+//! `vertibench._native`: the compiled module of the Python package `vertibench`, which wraps it. Not for users.
 
 mod arena;
 mod arrays;
@@ -10,7 +10,7 @@ mod vector;
 
 use pyo3::prelude::*;
 
-/// What the Python package has in Rust.
+/// Compiled module of the package `vertibench`, which wraps it. Not for users.
 #[pymodule]
 mod _native {
     use pyo3::prelude::*;
@@ -26,7 +26,7 @@ mod _native {
     #[pymodule_export]
     use crate::vector::VectorEnv;
 
-    /// What policies have in common with planners that drive by their weights: see the constants of the same names.
+    /// Constants that policies share with planners that run their weights.
     #[pymodule_export]
     const FLAT_BOUND: f32 = vb_sdk::policy::Layout::FLAT_BOUND;
     #[pymodule_export]
@@ -34,37 +34,37 @@ mod _native {
     #[pymodule_export]
     const STEERING_STEP: f64 = vb_sdk::policy::STEERING_STEP;
 
-    /// The version of the package, which is that of the workspace.
+    /// Returns the version of the package, equal to that of the workspace.
     #[pyfunction]
     fn version() -> &'static str {
         env!("CARGO_PKG_VERSION")
     }
 
-    /// What stands in kernels for a GPU that were made of the same sources as this module.
+    /// Returns the source hash that GPU kernels compiled from the sources of this module contain.
     #[pyfunction]
     fn kernel_sources() -> &'static str {
         vb_gpu::SOURCES
     }
 
-    /// The numbers that a fleet tells of each of its vehicles, as (name, unit).
+    /// Returns the columns of a fleet's states, as (name, unit).
     #[pyfunction]
     fn fleet_states() -> Vec<(&'static str, &'static str)> {
         vb_gpu::STATE.to_vec()
     }
 
-    /// What can be wrong with a vehicle of a fleet, as (name, number).
+    /// Returns the faults of vehicles in a fleet, as (name, number).
     #[pyfunction]
     fn fleet_faults() -> Vec<(&'static str, u32)> {
         vb_gpu::FAULTS.to_vec()
     }
 
-    /// All parts that an observation can have, as (name, what it is, the sensor that it takes or None).
+    /// Returns all parts of observations, as (name, description, required sensor or None).
     #[pyfunction]
     fn parts() -> Vec<(&'static str, &'static str, Option<&'static str>)> {
         vb_sdk::policy::PARTS.iter().map(|k| (k.name, k.about, k.sensor.map(|s| s.name()))).collect()
     }
 
-    /// All terms of a reward, as (name, unit, what is measured).
+    /// Returns all terms of rewards, as (name, unit, description).
     #[pyfunction]
     fn terms() -> Vec<(&'static str, &'static str, &'static str)> {
         vb_env::TERMS.iter().map(|t| (t.name, t.unit, t.about)).collect()

@@ -1,4 +1,4 @@
-//! Policies as planners run them.
+//! Policies, executed as in planners.
 
 use numpy::{PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use vb_sdk::policy::{Numbers, PolicyNetwork, PolicySpec};
 use crate::arena::Arena;
 use crate::errors::named;
 
-/// The numbers of a part of many observations, with a row for each.
+/// Entries of one part of several observations, with a row per observation.
 #[derive(FromPyObject)]
 pub(crate) enum Part<'py> {
     F32(PyReadonlyArrayDyn<'py, f32>),
@@ -24,7 +24,7 @@ impl Part<'_> {
         }
     }
 
-    /// One of the rows; nothing if the array isn't contiguous.
+    /// Returns a row; None if the array isn't contiguous.
     fn row(&self, k: usize, rows: usize) -> Option<Numbers<'_>> {
         fn part<T>(all: &[T], k: usize, rows: usize) -> &[T] {
             let width = all.len() / rows;
@@ -37,7 +37,8 @@ impl Part<'_> {
     }
 }
 
-/// The actions of a planner with these weights for observations, which come as an array for each part in the order of the arena's.
+/// Returns the actions of a planner with these weights, a row per observation. `parts` has an array per part, in the arena's
+/// order, with a row per observation. Raises `OptionError` if weights or arrays don't fit the arena.
 #[pyfunction]
 pub(crate) fn policy_actions<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Many environments at a time.
+//! The vector environment.
 
 use std::sync::{Mutex, PoisonError, TryLockError};
 
@@ -13,20 +13,20 @@ use crate::arrays::over;
 use crate::env::Snapshot;
 use crate::errors;
 
-/// The name of an episode's task with the seed of its noise.
+/// Task name and seed of the sensor noise of a new episode.
 type Began = Option<(String, u64)>;
 
-/// Many environments at a time, stepped by several threads.
+/// Many environments, stepped on several threads.
 #[pyclass(frozen, module = "vertibench._native")]
 pub(crate) struct VectorEnv {
     inner: Mutex<vb_env::VectorEnv>,
-    /// The process that the threads are in.
+    /// Process of the threads.
     process: u32,
     flat: bool,
 }
 
 impl VectorEnv {
-    /// Does something with the environments, without Python's lock.
+    /// Calls a function on the environments, without Python's lock.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -70,9 +70,9 @@ impl VectorEnv {
         Ok(Self { inner, process: std::process::id(), flat })
     }
 
-    /// Arrays over the memory that the threads write: observations (a list in the order of the parts, or of the flat one alone),
-    /// finals (the same, or empty), rewards, terms, terminated, truncated. A row is valid from when its environment was received
-    /// until it is sent on.
+    /// Returns arrays over the memory that the threads write: `observations` (a list in the order of the parts, or with the flat
+    /// array only), `finals` (in the same form, or empty), `rewards`, `terms`, `terminated` and `truncated`. A row is valid from
+    /// the reception of its environment until its next step or reset.
     fn arrays<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
         let (py, own) = (slf.py(), slf.get());
         let env = own.inner.lock().unwrap_or_else(PoisonError::into_inner);
@@ -98,32 +98,32 @@ impl VectorEnv {
         Ok(all)
     }
 
-    /// Lets a curriculum, by its name or file, choose the tasks.
+    /// Lets a curriculum, given by name or file, choose the tasks.
     fn follow(&self, py: Python<'_>, curriculum: &str, seed: u64) -> PyResult<()> {
         self.with(py, |env| env.follow(&Spec::resolve(curriculum)?, seed))
     }
 
-    /// All that the curriculum remembers, as text; None without a curriculum.
+    /// Returns the state of the curriculum as text; None without a curriculum.
     fn curriculum_state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.with(py, |env| Ok(env.curriculum().map(Curriculum::state)))
     }
 
-    /// Lets the curriculum go on from what one like it remembered.
+    /// Restores a state of the curriculum.
     fn restore_curriculum(&self, py: Python<'_>, state: &str) -> PyResult<()> {
         self.with(py, |env| env.restore_curriculum(state))
     }
 
-    /// The chance of each task to be drawn next, and of each environment its stage; None without a curriculum.
+    /// Returns each task's probability to be chosen next, and each environment's stage; None without a curriculum.
     fn curriculum(&self, py: Python<'_>) -> PyResult<Option<(Vec<f64>, Vec<usize>)>> {
         self.with(py, |env| Ok(env.curriculum().map(|c| (c.chances(), c.stages()))))
     }
 
-    /// Tells the curriculum what the learner thinks of a task.
+    /// Reports the learner's score of a task to the curriculum.
     fn score(&self, py: Python<'_>, task: &str, score: f64) -> PyResult<()> {
         self.with(py, |env| env.score(task, score))
     }
 
-    /// Begins episodes: (index, seed or None, task or None, seed of the noise or None) for each.
+    /// Begins episodes; each entry is (index, seed or None, task or None, seed of the sensor noise or None).
     #[allow(clippy::type_complexity, reason = "a tuple of Python")]
     fn reset(
         &self,
@@ -135,7 +135,7 @@ impl VectorEnv {
         self.with(py, |env| env.reset(resets))
     }
 
-    /// Steps environments: an action, which is a row, for each index.
+    /// Begins a step of the environments with these indices, with one row of `actions` each.
     fn send(
         &self,
         py: Python<'_>,
@@ -152,11 +152,11 @@ impl VectorEnv {
         })
     }
 
-    /// Waits until so many are done: for each, in the order in which they came, (index, task and seed of the noise if an episode
-    /// has begun, the record as JSON if one has ended).
+    /// Waits for the results of `count` environments. Each, in order of arrival, is (index, task and seed of the sensor noise if an
+    /// episode has begun, record as JSON if one has ended).
     fn receive(&self, py: Python<'_>, count: usize) -> PyResult<Vec<(usize, Began, Option<String>)>> {
         let arrivals = loop {
-            // One look at a time, so that signals are seen in between.
+            // Waits in short intervals, so that signals are handled in between.
             match self.with(py, |env| env.receive(count, &mut || false))? {
                 Some(arrivals) => break arrivals,
                 None => py.check_signals()?,
@@ -169,12 +169,12 @@ impl VectorEnv {
         Ok(arrivals.into_iter().map(arrival).collect())
     }
 
-    /// The number of environments that are at work.
+    /// Returns the number of busy environments.
     fn pending(&self, py: Python<'_>) -> PyResult<usize> {
         self.with(py, |env| Ok(env.pending()))
     }
 
-    /// One of the environments as it is now.
+    /// Saves the state of one environment.
     fn snapshot(&self, py: Python<'_>, index: usize) -> PyResult<Snapshot> {
         let inner = self.with(py, |env| env.with(index, |env| env.snapshot()))?;
         Ok(Snapshot { inner })

@@ -1,4 +1,4 @@
-"""What the package has in Rust. The package wraps it; import from `vertibench.envs` instead."""
+"""Compiled module of the package, which wraps it. Not for users: import from `vertibench.envs` and `vertibench.gpu`."""
 
 from collections.abc import Mapping, Sequence
 from os import PathLike

@@ -27,9 +27,8 @@ from ._vector import NavigationVectorEnv
 class Sb3VecEnv(VecEnv):
     """`NavigationVectorEnv` with the interface of stable-baselines3's `VecEnv`.
 
-    The next episode begins at once (`SAME_STEP`). Then `infos[k]["terminal_observation"]` is the last observation of
-    the ended episode, `infos[k]["TimeLimit.truncated"]` tells whether it was truncated, and `infos[k]["next_task"]` is
-    the next task.
+    The next episode begins at once (`SAME_STEP`). At the end of an episode `infos[k]` has its last observation in
+    `"terminal_observation"` and the next task in `"next_task"`; `"TimeLimit.truncated"` is True if it was truncated.
 
     Args:
         num_envs: Number of environments, 1 to 65536.

@@ -11,8 +11,11 @@ A planner is a class with ``init`` and ``step``::
 
     main(Stand)
 
-``vb-harness --plugin "python3 stand.py"`` drives with it. Units are SI and angles radians. World frame: x east, y north,
-z up, origin at the world's centre. Body frame: x forward, y left, z up.
+``vb-harness --plugin "python3 stand.py"`` runs it. Such a planner is not ranked, because its process is not confined.
+
+Units are SI and angles radians. World frame: x east, y north, z up, origin at the world's centre. Body frame: x
+forward, y left, z up. Roll is positive with the right side down, pitch with the nose down, yaw counter-clockwise from
+east.
 """
 
 from ._data import (

@@ -1,13 +1,25 @@
-"""Following a path."""
+"""Progress along a path."""
 
 import numpy as np
 
 
 class Follower:
-    """A vehicle's progress along a path of n rows of x, y.
+    """Progress of a vehicle along a path.
 
-    It never goes back, and it advances by ``window`` metres a call at most, so it can't jump to a later stretch that
-    passes nearby.
+    The progress never decreases. It increases by at most ``window`` per call of :meth:`update`, so it can't jump to a
+    later section of the path that passes nearby.
+
+    Args:
+        path: Path points, an array of shape (n, 2): x and y, m, at least one finite point. Repeated points are removed.
+        window: Maximum progress per call, m.
+
+    Attributes:
+        points: Path points, shape (n, 2), m.
+        arcs: Arc length of each point from the start, shape (n,), m.
+        arc: Arc length of the present progress, m; initially 0.
+
+    Raises:
+        ValueError: If the path is empty or has a number that is not finite.
     """
 
     def __init__(self, path, window):
@@ -23,11 +35,26 @@ class Follower:
         self.arc = 0.0
 
     def point_at(self, arc):
-        """The point at an arc length (m), within the path."""
+        """Returns the path point at an arc length.
+
+        Args:
+            arc: Arc length from the start of the path, m; limited to the path.
+
+        Returns:
+            Array of x and y, m.
+        """
         return np.array([np.interp(arc, self.arcs, self.points[:, axis]) for axis in (0, 1)])
 
     def update(self, x, y):
-        """Advances to the closest point within the window and returns its arc length."""
+        """Advances to the closest path point within the window.
+
+        Args:
+            x: Position of the vehicle to the east, m.
+            y: Position of the vehicle to the north, m.
+
+        Returns:
+            Arc length of the new progress, m.
+        """
         start, end = self.arc, min(self.arc + self.window, self.arcs[-1])
         first = max(np.searchsorted(self.arcs, start, side="right") - 1, 0)
         last = max(np.searchsorted(self.arcs, end, side="left"), first + 1)
@@ -42,5 +69,12 @@ class Follower:
         return self.arc
 
     def look_ahead(self, distance):
-        """The point ``distance`` metres further along the path; its end if that is nearer."""
+        """Returns the path point at a distance ahead of the progress.
+
+        Args:
+            distance: Distance along the path, m.
+
+        Returns:
+            Array of x and y, m; the end of the path if it is nearer.
+        """
         return self.point_at(self.arc + distance)

@@ -1,4 +1,4 @@
-"""The conversation with the harness: docs/worker-protocol.md."""
+"""Communication with the harness (docs/worker-protocol.md)."""
 
 import os
 import struct
@@ -15,36 +15,72 @@ LEVELS = ("error", "warn", "info", "debug")
 
 
 class Planner:
-    """The base of a planner: one instance for each task.
+    """Base class of planners. The harness creates one instance per task.
 
-    Class attributes say what it is; ``init`` and ``step`` what it does.
+    Override ``step``, usually ``init``, and the class attributes that describe the planner.
+
+    Attributes:
+        name: Name of the planner: ``a-z``, ``0-9``, ``-`` and ``_``; default ``planner``.
+        version: Version of the planner; default ``0.1.0``.
+        authors: Authors, a sequence of texts; default none.
+        about: Description in one line; default empty.
+        control_period: Simulated time between two steps, s, a positive multiple of 0.001; default 0.1.
+        params: Parameters that users can set with ``--param``: a dictionary from name to (default, help text); default
+            none.
+        needs: Required sensors with optional rates in Hz that divide 100, e.g. ``("pose", "lidar 10")``. Sensors are
+            ``pose``, ``imu``, ``wheel-odometry``, ``gnss``, ``lidar``, ``depth`` and ``local-map``. Default: pose and
+            wheels at every step.
+        needs_without_maps: Additional sensors if the perception profile lacks one of the world's maps, in the form of
+            ``needs``; default none.
+        models: Learned weights of the planner, as texts with their hashes, e.g. ``("hills.npz sha256 …, learned from
+            …",)``; default none.
     """
 
     name = "planner"
-    """``a-z``, ``0-9``, ``-`` and ``_``."""
     version = "0.1.0"
     authors = ()
     about = ""
     control_period = 0.1
-    """Wanted time between two steps, s; a multiple of 0.001."""
     params = {}
-    """Parameters that a user may set: name to (default, help)."""
     needs = ()
-    """Sensors to be read, and how many times a second: ``("pose", "lidar 10")``. Pose and wheels at every step if empty."""
     needs_without_maps = ()
-    """The same, in addition, where the perception profile leaves out one of the task's maps."""
     models = ()
-    """Learned weights that it has, as texts with their hashes: ``("hills.npz sha256 …, learned from …",)``."""
 
     def init(self, task):
-        """Called once with the :class:`Task`. What it raises ends the task."""
+        """Prepares for a task; called once, before the first step.
+
+        An exception ends the task as a planner error, with its text in the results.
+
+        Args:
+            task: The :class:`Task`: vehicle, maps, path, goal and parameters.
+        """
 
     def step(self, obs):
-        """Called every control period with the :class:`Observation`; returns a :class:`Command`."""
+        """Computes the command; called once per control period.
+
+        An exception ends the task as a planner error, with its text in the results.
+
+        Args:
+            obs: The :class:`Observation`: sensor readings since the last step.
+
+        Returns:
+            The :class:`Command`, which holds until the next step.
+
+        Raises:
+            NotImplementedError: If a subclass doesn't override this method.
+        """
         raise NotImplementedError("a planner needs a method step(self, obs)")
 
     def log(self, message, level="info"):
-        """Appends a line to the task's log; level is error, warn, info or debug."""
+        """Writes a line to the task's log.
+
+        Args:
+            message: Text, or an object with a text form.
+            level: ``error``, ``warn``, ``info`` (default) or ``debug``.
+
+        Raises:
+            ValueError: If the level is another one.
+        """
         if level not in LEVELS:
             raise ValueError(f"the level of a line of the log is {level!r}; it must be one of {', '.join(LEVELS)}")
         if self._send is not None:
@@ -54,9 +90,15 @@ class Planner:
 
 
 def main(planner):
-    """Answers the harness with planners of this class until it says goodbye.
+    """Runs a planner class as a program for the harness; returns when the harness ends.
 
-    From here on, what the program prints goes to standard error, and from there to the task's log.
+    From the call on, printed output goes to standard error, and from there to the task's log.
+
+    Args:
+        planner: Subclass of :class:`Planner`.
+
+    Raises:
+        SystemExit: If standard input is a terminal, i.e. the program was not started by the harness.
     """
     if sys.stdin.isatty():
         sys.exit(f'this is a planner: start it by vb-harness --plugin "{sys.executable} {sys.argv[0]}"')
@@ -65,14 +107,20 @@ def main(planner):
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
     os.dup2(2, 1)
-    # Python has taken standard output for a pipe, and would keep lines back until a later task, or cut them apart.
-    if hasattr(sys.stdout, "reconfigure"):  # unless the planner has put something of its own there
+    # Python treats standard output as a pipe and would buffer lines until a later task, or split them.
+    if hasattr(sys.stdout, "reconfigure"):  # unless the planner has replaced it
         sys.stdout.reconfigure(line_buffering=True)
     serve(planner, reader, writer)
 
 
 def serve(planner, reader, writer):
-    """The same as :func:`main` on two binary streams."""
+    """Runs a planner class as :func:`main`, on two binary streams.
+
+    Args:
+        planner: Subclass of :class:`Planner`.
+        reader: Stream with the harness's messages.
+        writer: Stream for the replies.
+    """
 
     def send(kind, fields):
         payload = msgpack.packb({kind: fields})
@@ -108,14 +156,16 @@ def serve(planner, reader, writer):
             else:
                 raise ValueError(f"the harness sent `{kind}`, which this version doesn't know")
         except Exception as error:
-            # All of it for the log, the last line for the record.
+            # The whole traceback is for the log, the last line for the record.
             traceback.print_exc()
             sys.stderr.flush()
             send("error", {"kind": "error", "message": f"{type(error).__name__}: {error}{_place(error, current)}"})
 
 
 def _place(error, planner):
-    """The innermost line of the planner that raised an error. One in a command that `step` has returned has none: then where `step` is."""
+    """Returns the planner's innermost line in a traceback as text; the line of ``step`` if the error is in the returned
+    command.
+    """
     here = os.path.dirname(__file__)
     frames = [f for f in traceback.extract_tb(error.__traceback__) if os.path.dirname(f.filename) != here]
     if frames:
@@ -153,5 +203,5 @@ def _receive(reader):
     payload = reader.read(length)
     if len(payload) < length:
         return None
-    # The harness is trusted; a map of a large world is longer than msgpack's default allows.
+    # The harness is trusted; the map of a large world exceeds msgpack's default limit.
     return msgpack.unpackb(payload, max_bin_len=length, max_str_len=length, max_array_len=length)
