@@ -87,7 +87,7 @@ def run(
         rules: Name or file of the rules; default `"paper"`.
         soils: Name or file of the soil set; default `"default"`.
         params: Parameters of the planner by name, e.g. `{"speed": 5}`; default: the planner's own values.
-        limits: File with limits of a WASM planner (docs/abi.md); default: the documented limits.
+        limits: File with limits of the planner (docs/abi.md); default: the documented limits.
         scale: Factor on all lengths of the worlds, 0.01 to 10, as a number or as text such as `"1/6"`; default: the
             scale that the vehicle is made for.
         seed: Seed of the planner's randomness and of the sensor noise, at least 0; default 0.
@@ -96,7 +96,7 @@ def run(
         jobs: Number of parallel tasks, at least 1; default: the number of cores.
         out: Directory for the results, new or empty; default: a new `runs/PLANNER-N`.
         resume: Whether to continue the run in `out`, or without `out` the last `runs/PLANNER-N`. All other arguments
-            must be those of its start. Default False.
+            except `jobs` and `progress` must be those of its start. Default False.
         keep_going: Whether to run all tasks even if the first ones all fail in the same way. Default False.
         require_sandbox: Whether to refuse commands, and native planners that the system can't confine completely.
             Default False.
@@ -115,6 +115,7 @@ def run(
         StoppedError: If the program was stopped from outside; `run` of the error has the finished tasks.
         ProgramError: If the program ended with another error, or can't be started.
         MissingError: If the program is missing.
+        KeyboardInterrupt: After Ctrl-C or an interrupt of the notebook cell.
 
     Example:
         >>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00", params={"speed": 5})
