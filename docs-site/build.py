@@ -1,0 +1,176 @@
+"""Builds the documentation site from the Markdown pages of the repository, the program's help and Python docstrings.
+
+    python3 -m venv target/site-venv && target/site-venv/bin/pip install -r docs-site/requirements.txt
+    target/site-venv/bin/python docs-site/build.py
+
+The site works from the file system, without a network. Broken links and all warnings are errors. `--help` lists the options.
+"""
+
+from __future__ import annotations
+
+import argparse
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from importlib.util import find_spec
+from pathlib import Path
+from urllib.parse import unquote
+
+from generator import SiteError, cli, codes, python_reference
+from generator.pages import Pages
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+PROGRAM = ROOT / "target/release" / ("vb-harness.exe" if os.name == "nt" else "vb-harness")
+#: What a page loads when it is opened, in contrast to what it links to.
+_LOADED = re.compile(
+    r"<(?:script|img|iframe|source|video|audio|embed)\b[^>]*?\bsrc=[\"']?((?:https?:)?//[^\"'\s>]+)"
+    r"|<link\b(?=[^>]*\brel=[\"']?(?:stylesheet|preconnect|preload|icon|manifest))[^>]*?\bhref=[\"']?((?:https?:)?//[^\"'\s>]+)"
+)
+
+
+def write_commands(program: Path | None, pages: Pages) -> str:
+    """Writes the pages of the command line, and returns their lines of the navigation."""
+    indent = " " * 10
+    if program is None:
+        text = (
+            "# Command line\n\nThis copy of the documentation was built without the reference of the command line, which comes from the "
+            "program. `vb-harness --help` and `vb-harness COMMAND --help` list commands and options.\n"
+        )
+        pages.write("cli/index.md", text)
+        return f"{indent}- cli/index.md"
+    if not program.is_file():
+        raise SiteError(
+            f"{program}: no such file; build it with `cargo build --release -p vb-harness`, name another with --program, or leave out the "
+            "command line with --without-cli"
+        )
+    found = cli.commands(program)
+    places = {c.path: cli.place(c, any(one.path[:-1] == c.path for one in found if one.path)) for c in found}
+    for command in found:
+        pages.write(places[command.path], cli.page(command, found, places, pages.sources))
+    listed, known = codes.exit_codes(ROOT), set(found[0].exit_codes())
+    if listed != known:
+        differ = ", ".join(map(str, sorted(listed ^ known)))
+        raise SiteError(f"docs/results.md: the table of exit codes and {program} differ in {differ}; rebuild the program or correct the table")
+    return cli.navigation(found, places, indent)
+
+
+def prepare(folder: Path, program: Path | None) -> Path:
+    """Writes the pages and the settings for MkDocs into a folder, and returns the settings' file."""
+    docs = folder / "pages"
+    pages = Pages(ROOT, docs)
+    missing = [source for source, page in pages.sources.items() if f" {page}\n" not in (HERE / "mkdocs.yml").read_text(encoding="utf-8")]
+    if missing:
+        raise SiteError(*(f"{source}: not in the navigation of docs-site/mkdocs.yml" for source in missing))
+    shutil.copytree(HERE / "assets", docs / "assets")
+    commands = write_commands(program, pages)
+    pages.write(codes.PAGE, codes.page(ROOT, pages))
+    for page, text in python_reference.pages(ROOT).items():
+        place = docs / page
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(text, encoding="utf-8")
+    pages.write_all()
+    settings = (HERE / "mkdocs.yml").read_text(encoding="utf-8")
+    settings = re.sub(r'"@root(/[^"]*)"', lambda match: json.dumps(f"{ROOT.as_posix()}{match[1]}"), settings)
+    settings = re.sub(r'^ *- "@commands"$', lambda _: commands, settings, flags=re.MULTILINE)
+    file = folder / "mkdocs.yml"
+    file.write_text(settings, encoding="utf-8")
+    return file
+
+
+def check_out(out: Path) -> None:
+    """Refuses a folder with files that are no earlier site, because MkDocs empties it."""
+    if out.exists() and not out.is_dir():
+        raise SiteError(f"{out}: not a folder")
+    if out.is_dir() and any(out.iterdir()) and not (out / "search/search_index.js").is_file():
+        raise SiteError(f"{out}: has files that are no earlier site; name an empty folder with --out")
+
+
+def run_mkdocs(settings: Path, out: Path) -> None:
+    """Runs MkDocs; its warnings are errors."""
+    if missing := [name for name in ("mkdocs", "material", "mkdocstrings_handlers") if find_spec(name) is None]:
+        raise SiteError(f"Python packages are missing ({', '.join(missing)}); install them with `pip install -r docs-site/requirements.txt`")
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "true"}
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(settings), "--site-dir", str(out)]
+    # Not with --quiet, which also keeps warnings from being counted.
+    done = subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", check=False)
+    print("".join(line for line in done.stdout.splitlines(keepends=True) if not line.startswith("INFO")), end="", file=sys.stderr)
+    if done.returncode:
+        raise SiteError("MkDocs found errors, see above")
+
+
+def check_site(out: Path) -> int:
+    """Returns the number of pages. Raises SiteError if a link of the site is broken, if a page loads something from the network, or if the
+    search is missing."""
+    texts = {p: p.read_text(encoding="utf-8") for p in sorted(out.rglob("*.html"))}
+    # Other files with this ending are copies of sources.
+    texts = {p: text for p, text in texts.items() if "data-md-component" in text}
+    names = {p: {html.unescape(name) for name in re.findall(r"\b(?:id|name)=\"?([^\s\">]+)", text)} for p, text in texts.items()}
+    problems = []
+    for page, text in texts.items():
+        where = page.relative_to(out)
+        problems += [f"{where}: loads {match[1] or match[2]}" for match in _LOADED.finditer(text)]
+        for link in sorted({html.unescape(link) for link in re.findall(r"\b(?:href|src)=\"([^\"]*)\"", text)}):
+            path, _, anchor = link.partition("#")
+            # The page for missing files has absolute links, which only a server uses.
+            if re.match(r"[a-z]+:", link) or page.name == "404.html":
+                continue
+            there = Path(os.path.normpath(page.parent / unquote(path))) if path else page
+            there = there / "index.html" if there.is_dir() else there
+            if not there.is_file():
+                problems.append(f"{where}: broken link {link!r}: no such file in the site")
+            elif anchor and there in names and unquote(anchor) not in names[there]:
+                problems.append(f"{where}: broken link {link!r}: no such anchor")
+    if not (out / "search/search_index.js").is_file():
+        problems.append("search/search_index.js: missing")
+    if problems:
+        raise SiteError(*problems)
+    return len(texts)
+
+
+def build(out: Path, program: Path | None) -> int:
+    """Builds the site into a folder, and returns the number of pages."""
+    check_out(out)
+    with tempfile.TemporaryDirectory() as folder:
+        run_mkdocs(prepare(Path(folder), program), out)
+    if program is None:
+        print("the pages of the command line are left out (--without-cli)", file=sys.stderr)
+    return check_site(out)
+
+
+def main() -> int:
+    """Runs the command line and returns the exit code."""
+    parser = argparse.ArgumentParser(description="Builds the documentation site. Broken links and warnings are errors.")
+    parser.add_argument("--out", type=Path, default=ROOT / "target/site", metavar="DIR", help="folder for the site; default: target/site")
+    parser.add_argument("--check", action="store_true", help="build into a temporary folder, which is removed")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        "--program", type=Path, default=PROGRAM, metavar="FILE",
+        help="program whose command line is documented; default: target/release/vb-harness",
+    )  # fmt: skip
+    which.add_argument("--without-cli", action="store_true", help="leave out the pages of the command line, which need the program")
+    arguments = parser.parse_args()
+    program = None if arguments.without_cli else arguments.program.absolute()
+    try:
+        if arguments.check:
+            with tempfile.TemporaryDirectory() as folder:
+                pages = build(Path(folder), program)
+            print(f"{pages} pages, no broken links, no warnings")
+        else:
+            out = arguments.out.absolute()
+            pages = build(out, program)
+            print(f"{pages} pages in {out}; open {out / 'index.html'}")
+    except SiteError as e:
+        for problem in e.problems:
+            print(f"error: {problem}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
