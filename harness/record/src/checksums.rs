@@ -33,8 +33,8 @@ pub(crate) struct Checksums {
 }
 
 impl Checksums {
-    /// The checksums of the run in `dir`; none if it has none, as runs of schemas before 3 and those in submissions, which
-    /// have the hashes of their manifest.
+    /// The checksums of the run in `dir`; none if it has none, as runs in submissions, which have the
+    /// hashes of their manifest.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, StoreError> {
         let path = dir.join(CHECKSUMS);
         let text = match vb_files::read(&path, vb_files::DATA) {

@@ -7,12 +7,8 @@ use serde_json::Value;
 
 use crate::{LogMode, TraceMode, planner_with_params, suite_with_selection};
 
-/// The version of the layout of a run directory, raised with every change that older readers can't read. Version 2 has
-/// the outcome `host_error`, codes with the one to blame in front, and more of what planners used. Version 3 has
-/// checksums, the number of the suite's tasks and the commit of the harness. Runs of older versions can be read.
+/// The version of the layout of a run directory, raised with every change that other readers can't read.
 pub const RUN_SCHEMA: u32 = 3;
-/// The oldest version that can be read.
-pub(crate) const OLDEST_SCHEMA: u32 = 1;
 
 /// The suite of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,9 +19,8 @@ pub struct SuiteHeader {
     pub hash: String,
     /// The path at which the suite lay.
     pub path: String,
-    /// The number of the suite's tasks, chosen or not; runs of schemas before 3 don't say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tasks: Option<u64>,
+    /// The number of the suite's tasks, chosen or not.
+    pub tasks: u64,
 }
 
 /// The planner of a run.
@@ -38,34 +33,19 @@ pub struct PluginHeader {
     /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
     /// The kind of the plugin: `wasm`, `native` or `command`.
-    #[serde(alias = "carrier")]
     pub kind: String,
     /// The path at which the file lay; for a command, the command itself.
     pub path: String,
     /// Whether results of a planner of this kind may be ranked: those of a command may not.
-    #[serde(default = "yes")]
     pub eligible_for_ranking: bool,
-    /// The time between two of the planner's steps, s; runs from before it was recorded don't say it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub control_period: Option<f64>,
+    /// The time between two of the planner's steps, s.
+    pub control_period: f64,
     /// The sensors that the planner got, as its metadata name them, e.g. `lidar 10`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,
     /// The confinement of the process of a native planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxHeader>,
-}
-
-fn exact() -> DataHeader {
-    DataHeader { name: "oracle".to_owned(), hash: String::new() }
-}
-
-fn unknown() -> String {
-    "unknown".to_owned()
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// The confinement of the process of a native planner.
@@ -122,7 +102,6 @@ pub struct RunHeader {
     /// The Git commit that the harness was built from, with `, modified` behind it if its sources had been changed
     /// since; `unknown` if it was not built in a checkout. It says where a result is from and is no part of any hash or
     /// score.
-    #[serde(default = "unknown")]
     pub harness_commit: String,
     /// The time at which the run was started, RFC 3339 in UTC. It is for people only: nothing depends on it.
     pub started_at: String,
@@ -143,9 +122,7 @@ pub struct RunHeader {
     pub vehicle: DataHeader,
     /// The soils of deformable ground.
     pub soils: DataHeader,
-    /// The perception profile: what the planner is told and how wrong it is. Runs from before there were profiles had none but
-    /// the exact one, whose hash they don't say.
-    #[serde(default = "exact")]
+    /// The perception profile: prior maps, sensors and their errors.
     pub perception: DataHeader,
     /// The factor on every length of the world: 1, 1/6 or 1/10.
     pub scale: f64,
@@ -154,7 +131,6 @@ pub struct RunHeader {
     /// The time step of the simulation, s.
     pub time_step: f64,
     /// The side of the cells in which soil remembers ruts, at scale 1, m.
-    #[serde(alias = "soil_pitch")]
     pub soil_resolution: f64,
     /// The time between the samples that rules and metrics see, s.
     pub sample_period: f64,
@@ -164,9 +140,7 @@ pub struct RunHeader {
     pub limits: BTreeMap<String, u64>,
     /// The samples that are kept in traces.
     pub trace: TraceMode,
-    /// The tasks whose records keep the planner's log. Runs that don't say it kept those of tasks that ended by an
-    /// error.
-    #[serde(default)]
+    /// The tasks whose records keep the planner's log.
     pub logs: LogMode,
 }
 
@@ -241,7 +215,10 @@ fn flatten(header: &RunHeader) -> BTreeMap<String, Value> {
         }
     }
     let mut out = BTreeMap::new();
-    // A header holds string keys and finite numbers only, so it always converts.
-    walk("", &serde_json::to_value(header).unwrap_or(Value::Null), &mut out);
+    walk(
+        "",
+        &serde_json::to_value(header).expect("a header has text keys and finite numbers only"),
+        &mut out,
+    );
     out
 }

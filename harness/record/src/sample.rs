@@ -46,8 +46,6 @@ impl Sample {
         "time", "x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz", "steering",
         "throttle", "brake", "gear",
     ];
-    /// The fields that traces of earlier versions don't have; what they stand for there is 0.
-    pub const ADDED: [&str; 1] = ["gear"];
     /// The value of `gear` under a command for neutral.
     pub const NEUTRAL: f64 = 1.0;
     /// The value of `gear` under a command for the reverse gear.

@@ -18,15 +18,12 @@ pub fn planner_with_params(planner: &str, params: &BTreeMap<String, String>) -> 
 /// A suite with what was chosen of it, if that is not all of it: `vb-100, 20 of 1000 tasks: w001-w002`. `tasks` is the number
 /// of tasks chosen, `of` that of the whole suite if it is known.
 #[must_use]
-pub fn suite_with_selection(suite: &str, tasks: u64, of: Option<u64>, selector: Option<&str>) -> String {
-    match (selector, of) {
-        (None, of) if of.is_none_or(|of| of == tasks) => suite.to_owned(),
-        (selector, of) => {
-            let of = of.map_or_else(String::new, |of| format!(" of {of}"));
-            let which = selector.map_or_else(String::new, |s| format!(": {}", cut(s)));
-            format!("{suite}, {tasks}{of} tasks{which}")
-        }
+pub fn suite_with_selection(suite: &str, tasks: u64, of: u64, selector: Option<&str>) -> String {
+    if selector.is_none() && of == tasks {
+        return suite.to_owned();
     }
+    let which = selector.map_or_else(String::new, |s| format!(": {}", cut(s)));
+    format!("{suite}, {tasks} of {of} tasks{which}")
 }
 
 fn cut(text: &str) -> String {
@@ -42,16 +39,14 @@ mod tests {
 
     #[test]
     fn a_part_of_a_suite_and_given_parameters_are_named_and_the_whole_needs_no_word() {
-        let whole = suite_with_selection("vb-100", 1000, Some(1000), None);
-        let part = suite_with_selection("vb-100", 20, Some(1000), Some("w001-w002"));
-        let old = suite_with_selection("vb-100", 20, None, Some("w001-w002"));
+        let whole = suite_with_selection("vb-100", 1000, 1000, None);
+        let part = suite_with_selection("vb-100", 20, 1000, Some("w001-w002"));
         assert_eq!(whole, "vb-100");
         assert_eq!(part, "vb-100, 20 of 1000 tasks: w001-w002");
-        assert_eq!(old, "vb-100, 20 tasks: w001-w002");
         let params = BTreeMap::from([("speed".to_owned(), "5".to_owned())]);
         assert_eq!(planner_with_params("pid 0.1.0", &params), "pid 0.1.0 (speed=5)");
         assert_eq!(planner_with_params("pid 0.1.0", &BTreeMap::new()), "pid 0.1.0");
-        let long = suite_with_selection("s", 1, Some(2), Some(&"w001/t00,".repeat(100)));
+        let long = suite_with_selection("s", 1, 2, Some(&"w001/t00,".repeat(100)));
         assert!(long.chars().count() < 120 && long.ends_with('…'), "{long}");
     }
 }

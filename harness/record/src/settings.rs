@@ -71,8 +71,9 @@ impl RunHeader {
             })
             .or_else(|| outside("soil_resolution", self.soil_resolution, &SOIL_RESOLUTIONS))
             .or_else(|| {
-                let period = self.plugin.control_period.filter(|p| !(p.is_finite() && *p > 0.0))?;
-                Some(format!("plugin.control_period: {period} must be above 0"))
+                let period = self.plugin.control_period;
+                (!(period.is_finite() && period > 0.0))
+                    .then(|| format!("plugin.control_period: {period} must be above 0"))
             })
             .or_else(|| self.flaw_of_counts())
     }
@@ -89,6 +90,6 @@ impl RunHeader {
                 .or_else(|| above("tasks", self.tasks, "shard.tasks", shard.tasks))
         });
         let all = self.whole().tasks;
-        of_shard.or_else(|| above("tasks", all, "suite.tasks", self.suite.tasks?))
+        of_shard.or_else(|| above("tasks", all, "suite.tasks", self.suite.tasks))
     }
 }

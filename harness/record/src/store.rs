@@ -12,7 +12,6 @@ use serde::de::DeserializeOwned;
 use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, missing, record_name};
 use crate::files::{durable, is_temporary, sync_dir, write_atomic};
 use crate::folder::FolderLock;
-use crate::header::OLDEST_SCHEMA;
 use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace, TraceMode};
 
 pub(crate) const HEADER: &str = "run.json";
@@ -422,7 +421,7 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
     let unread = |e: serde_json::Error| damaged(e.to_string());
     let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(unread)?;
     match value.get("schema").and_then(serde_json::Value::as_u64) {
-        Some(found) if !(u64::from(OLDEST_SCHEMA)..=u64::from(RUN_SCHEMA)).contains(&found) => {
+        Some(found) if found != u64::from(RUN_SCHEMA) => {
             Err(StoreError::Schema { path, found, supported: RUN_SCHEMA })
         }
         _ => {

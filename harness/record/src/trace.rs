@@ -204,12 +204,8 @@ impl Trace {
         if let Some(flaw) = meta.flaw() {
             return Err(damaged(path, format!("metadata: {flaw}")));
         }
-        let names = table.columns();
-        let column = |name: &&str| {
-            let is_missing = Sample::ADDED.contains(name) && !names.iter().any(|n| n == name);
-            if is_missing { Ok(vec![0.0; table.f64(path, "time")?.len()]) } else { table.f64(path, name) }
-        };
-        let columns = Sample::FIELDS.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+        let columns =
+            Sample::FIELDS.iter().map(|name| table.f64(path, name)).collect::<Result<Vec<_>, _>>()?;
         let rows = columns[0].len();
         for (name, values) in Sample::FIELDS.iter().zip(&columns) {
             if let Some(k) = values.iter().position(|v| !PLACES.contains(v)) {

@@ -10,7 +10,7 @@ use crate::figures::{Figures, Split};
 pub(crate) enum Failure {
     /// It rolled over or got stuck, by this.
     Cause(Cause),
-    /// It rolled over or got stuck, and the record doesn't say by what: it is of an older version.
+    /// It rolled over or got stuck, and the record has no cause: re-scoring gave it another outcome.
     Unsaid(Outcome),
     /// It ended so.
     Outcome(Outcome),

@@ -42,8 +42,8 @@ pub struct Measures {
     pub speed: f64,
     /// Distance from the goal in the end, m.
     pub goal_distance: f64,
-    /// Where it ended, x and y, m; records of versions before 0.2 don't say it.
-    pub end: Option<[f64; 2]>,
+    /// Where it ended, x and y, m.
+    pub end: [f64; 2],
     /// Sum of the steering command's changes over time, 1/s.
     pub steering_rate: f64,
 }

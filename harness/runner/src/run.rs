@@ -314,7 +314,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             name: config.suite.meta().name.clone(),
             hash: config.suite.hash(),
             path: config.suite.dir().display().to_string(),
-            tasks: Some(config.suite.task_count() as u64),
+            tasks: config.suite.task_count() as u64,
         },
         selector: config.selector.clone(),
         tasks: config.tasks.len() as u64,
@@ -325,7 +325,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             sha256: config.plugin.sha256().to_owned(),
             kind: config.plugin.kind().name().to_owned(),
             path: config.plugin_path.display().to_string(),
-            control_period: Some(metadata.control_period),
+            control_period: metadata.control_period,
             sensors: config.perception.sensors_of(metadata).iter().map(ToString::to_string).collect(),
             eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {

@@ -114,7 +114,7 @@ mod tests {
             "metrics":{{"samples":1,"roll_mean_deg":0.0,"roll_variance_deg2":0.0,"roll_max_deg":{roll},"roll_end_deg":0.0,
             "pitch_mean_deg":0.0,"pitch_variance_deg2":0.0,"pitch_max_deg":{pitch},"distance_m":0.0,"speed_mean_m_per_s":0.0,
             "speed_max_m_per_s":0.0,"throttle_effort_s":0.0,"brake_effort_s":0.0,"steering_effort_s":0.0,
-            "steering_rate_per_s":0.0,"goal_distance_min_m":5.0,"goal_distance_end_m":6.0}},"ride":{ride}}}"#
+            "steering_rate_per_s":0.0,"reverse_s":0.0,"goal_distance_min_m":5.0,"goal_distance_end_m":6.0,"end_x_m":0.0,"end_y_m":0.0}},"ride":{ride}}}"#
         );
         let mut record: TaskRecord = serde_json::from_str(&text).unwrap();
         record.judge();

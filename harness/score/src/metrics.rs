@@ -44,18 +44,15 @@ measures! {
         /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
         pub steering_rate_per_s: f64,
         /// Time under a command for the reverse gear, s.
-        #[serde(default)]
         pub reverse_s: f64,
         /// Least distance from the goal in the plane, m.
         pub goal_distance_min_m: f64,
         /// Distance from the goal in the plane at the last sample, m.
         pub goal_distance_end_m: f64,
         /// Where the reference point was at the last sample, east of the world's middle, m.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        pub end_x_m: Option<f64>,
+        pub end_x_m: f64,
         /// The same to the north, m.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        pub end_y_m: Option<f64>,
+        pub end_y_m: f64,
     }
 }
 
@@ -90,10 +87,10 @@ impl Metrics {
         }
     }
 
-    /// Where the trial ended: x and y of the reference point at the last sample, m. Records of versions before 0.2 don't say it.
+    /// Where the trial ended: x and y of the reference point at the last sample, m, world frame.
     #[must_use]
-    pub fn end(&self) -> Option<[f64; 2]> {
-        Some([self.end_x_m?, self.end_y_m?])
+    pub fn end(&self) -> [f64; 2] {
+        [self.end_x_m, self.end_y_m]
     }
 }
 
@@ -196,8 +193,8 @@ impl Accumulator {
             reverse_s: self.reverse,
             goal_distance_min_m: self.goal_distance_min,
             goal_distance_end_m: self.goal_distance,
-            end_x_m: Some(last.x),
-            end_y_m: Some(last.y),
+            end_x_m: last.x,
+            end_y_m: last.y,
         })
     }
 }

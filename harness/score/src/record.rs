@@ -10,34 +10,26 @@ use vb_world::{Density, Elevation, Terrain};
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
 measures! {
-    /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly). Records of
-    /// run layout 1 have `total` and `max_step` only.
+    /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct FuelUse {
         /// Fuel in the whole task.
         pub total: u64,
         /// Fuel for start-up and `init`.
-        #[serde(default)]
         pub init: u64,
         /// Fuel for the median step.
-        #[serde(default)]
         pub p50_step: u64,
         /// Fuel that 99 % of the steps stay within.
-        #[serde(default)]
         pub p99_step: u64,
         /// Fuel for the most costly step.
         pub max_step: u64,
         /// `init` as a share of its limit.
-        #[serde(default)]
         pub init_share: f64,
         /// `p99_step` as a share of the limit of a step.
-        #[serde(default)]
         pub p99_share: f64,
         /// `max_step` as a share of the limit of a step.
-        #[serde(default)]
         pub max_share: f64,
         /// The most linear memory, bytes.
-        #[serde(default)]
         pub memory_bytes: u64,
     }
 }
@@ -127,14 +119,13 @@ pub struct TaskRecord {
     pub departures: Vec<String>,
     /// The reason for the outcome, in words.
     pub reason: String,
-    /// What the vehicle was up against, if it rolled over or got stuck. Records before version 0.2 have none.
+    /// What stopped the vehicle, if it rolled over or got stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
     /// The figures that the cause was known by, in words; empty without a cause.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub evidence: String,
-    /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`. Before version 0.2 it has no part
-    /// before the slash.
+    /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
     /// The simulated time at the end of the task, s.
@@ -229,22 +220,6 @@ mod tests {
         let none = FuelUse::new(7, Vec::new(), 4000, 400, 0);
         assert_eq!((none.total, none.p50_step, none.max_step), (7, 0, 0));
         assert_eq!(FuelUse::new(0, vec![5], 1, 1, 0).p50_step, 5);
-    }
-
-    #[test]
-    fn a_record_of_the_first_version_is_read() {
-        // As version 0.1.0 wrote it, cut down to its needs.
-        let used: FuelUse = serde_json::from_str(r#"{"total":100,"max_step":20}"#).unwrap();
-        assert_eq!((used.total, used.max_step, used.p99_step), (100, 20, 0));
-        // Its measures had neither `reverse_s` nor the place of the end, and are written as they were read but for the former.
-        let text = r#"{"samples":1,"roll_mean_deg":0.0,"roll_variance_deg2":0.0,"roll_max_deg":0.0,"roll_end_deg":0.0,
-            "pitch_mean_deg":0.0,"pitch_variance_deg2":0.0,"pitch_max_deg":0.0,"distance_m":0.0,"speed_mean_m_per_s":0.0,
-            "speed_max_m_per_s":0.0,"throttle_effort_s":0.0,"brake_effort_s":0.0,"steering_effort_s":0.0,
-            "steering_rate_per_s":0.0,"goal_distance_min_m":5.0,"goal_distance_end_m":6.0}"#;
-        let metrics: Metrics = serde_json::from_str(text).unwrap();
-        assert_eq!((metrics.end(), metrics.goal_distance_end_m), (None, 6.0));
-        let written = serde_json::to_string(&metrics).unwrap();
-        assert!(!written.contains("end_x_m"), "{written}");
     }
 
     /// Whatever number a stranger writes, it is one that a trial can have, or the record is none.

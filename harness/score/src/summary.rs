@@ -26,7 +26,6 @@ pub struct Summary {
     /// Name and version of the planner.
     pub planner: String,
     /// The planner's parameters as the user gave them; all others have its defaults.
-    #[serde(default)]
     pub params: BTreeMap<String, String>,
     /// The SHA-256 of the planner's plugin file.
     pub plugin_sha256: String,
@@ -42,21 +41,17 @@ pub struct Summary {
     pub rules_hash: String,
     /// The settings that aren't the benchmark's ([`Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be compared
     /// with results without them.
-    #[serde(default)]
     pub departures: Vec<String>,
     /// The selector that chose the tasks; `None` if all were chosen.
-    #[serde(default)]
     pub selector: Option<String>,
-    /// The number of tasks of the whole suite; `None` for runs that don't say it.
-    #[serde(default)]
-    pub suite_tasks: Option<u64>,
+    /// The number of tasks of the whole suite.
+    pub suite_tasks: u64,
     /// The number of tasks that were to be run.
     pub planned: u64,
     /// The tasks whose trace ends before the rules can decide. They are in none of the figures below.
     pub undecided: Vec<String>,
     /// The tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
     /// below; `--resume` runs them again.
-    #[serde(default)]
     pub host_errors: Vec<String>,
     /// The figures over all tasks; `None` if there are none.
     pub all: Option<Group>,
@@ -81,10 +76,8 @@ pub struct Group {
     /// The number of tasks by the paper's class. Every class is there.
     pub three_way: BTreeMap<ThreeWay, u64>,
     /// The number of tasks of which each flag is true. Flags that are known of no task are left out.
-    #[serde(default)]
     pub flags: BTreeMap<Flag, u64>,
     /// The number of tasks that rolled over or got stuck by cause. Causes without any are left out.
-    #[serde(default)]
     pub causes: BTreeMap<Cause, u64>,
     /// The successes over the tasks. Errors of planner and simulation count as failures: leaving them out would reward
     /// them.
@@ -123,7 +116,6 @@ pub struct Group {
     /// The mean steering rate, 1/s.
     pub steering_rate_mean_per_s: Option<f64>,
     /// The mean of each measure of [`Ride`] over the tasks that have it, by its name.
-    #[serde(default)]
     pub ride: BTreeMap<String, f64>,
     /// The number of commands that were clamped.
     pub clamped: u64,

@@ -272,7 +272,7 @@ fn check_run(submission: &Submission, found: &mut Findings) -> Result<(), Submis
 fn check_suite(m: &Manifest, suite: &Suite, found: &mut Findings) {
     same(found, "suite", "run.suite.hash", &m.run.suite.hash, &suite.hash());
     same(found, "suite", "run.suite.name", &m.run.suite.name, &suite.meta().name);
-    same(found, "suite", "run.suite.tasks", &m.run.suite.tasks, &Some(suite.task_count() as u64));
+    same(found, "suite", "run.suite.tasks", &m.run.suite.tasks, &(suite.task_count() as u64));
     same(found, "suite", "suite_version", &m.suite_version, &suite.meta().version);
 }
 
@@ -283,16 +283,10 @@ pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, perception: &Profile, 
     same(found, "plugin", "run.plugin.name", &p.name, &plugin.metadata().name);
     same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
     same(found, "plugin", "run.plugin.kind", p.kind.as_str(), plugin.kind().name());
-    // By it a result is ranked or not, so what a run says is held against the plugin; a run that says nothing is open.
-    let period = p.control_period.unwrap_or(plugin.metadata().control_period);
-    same(found, "plugin", "run.plugin.control_period", &period, &plugin.metadata().control_period);
+    same(found, "plugin", "run.plugin.control_period", &p.control_period, &plugin.metadata().control_period);
     let eligible = plugin.kind() != PluginKind::Command;
-    // A run from before there were profiles doesn't say them.
     let sensors: Vec<_> = perception.sensors_of(plugin.metadata()).iter().map(ToString::to_string).collect();
-    if !p.sensors.is_empty() {
-        let list = |sensors: &[String]| sensors.join(", ");
-        same(found, "plugin", "run.plugin.sensors", &list(&p.sensors), &list(&sensors));
-    }
+    same(found, "plugin", "run.plugin.sensors", &p.sensors.join(", "), &sensors.join(", "));
     same(found, "plugin", "run.plugin.eligible_for_ranking", &p.eligible_for_ranking, &eligible);
     same(found, "plugin", "run.plugin.sandbox", &p.sandbox.is_some(), &plugin.sandbox().is_some());
     same(found, "plugin", "abi", m.abi.as_str(), plugin.abi().name());
@@ -306,13 +300,11 @@ fn check_vehicle(m: &Manifest, expected: &Expected<'_>, found: &mut Findings) {
     let (vehicle, soils) = (expected.vehicle, expected.soils);
     same(found, "vehicle", "run.vehicle.hash", &m.run.vehicle.hash, &vehicle.hash);
     same(found, "vehicle", "run.vehicle.name", &m.run.vehicle.name, &vehicle.spec.name);
-    // A run from before there were profiles doesn't say the hash of the only one.
-    let hash = Some(m.run.perception.hash.as_str()).filter(|h| !h.is_empty());
     same(
         found,
         "perception",
         "run.perception.hash",
-        hash.unwrap_or(expected.perception.sha256()),
+        m.run.perception.hash.as_str(),
         expected.perception.sha256(),
     );
     same(

@@ -118,14 +118,9 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
     );
     unless(
-        run.plugin.control_period.is_some_and(|period| period >= LEAST_CONTROL_PERIOD),
+        run.plugin.control_period >= LEAST_CONTROL_PERIOD,
         "plugin.control_period",
-        match run.plugin.control_period {
-            Some(period) => {
-                format!("{period} s, less than the {LEAST_CONTROL_PERIOD} s that are ranked at least")
-            }
-            None => "the run doesn't say it: drive it again with this version".to_owned(),
-        },
+        format!("{} s, less than the minimum of {LEAST_CONTROL_PERIOD} s", run.plugin.control_period),
     );
     unless(
         run.params.is_empty(),
@@ -133,9 +128,13 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
         format!("{}: ranked planners run without parameters", vb_report::one_line(&run.planner(), 160)),
     );
     for (name, default) in Limits::default().named() {
-        // A run from before a limit had it by default, as its tasks have when they are driven again.
-        let value = run.limits.get(name).copied().unwrap_or(default);
-        unless(value == default, &format!("limits.{name}"), format!("{value}, not the default {default}"));
+        let value = run.limits.get(name).copied();
+        let text = value.map_or_else(|| "missing".to_owned(), |value| value.to_string());
+        unless(
+            value == Some(default),
+            &format!("limits.{name}"),
+            format!("{text}, not the default {default}"),
+        );
     }
     let paper = Rules::paper();
     unless(
@@ -169,10 +168,8 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     );
     let perception = &run.perception;
     let shipped = Profile::built_in(&perception.name);
-    // Runs from before there were profiles don't say the hash, and were driven under the first.
-    let is_first = perception.name == ORACLE && perception.hash.is_empty();
     unless(
-        is_first || shipped.is_some_and(|p| p.sha256() == perception.hash),
+        shipped.is_some_and(|p| p.sha256() == perception.hash),
         "perception",
         format!("{} ({}) is none that comes with the harness", perception.name, short(&perception.hash)),
     );

@@ -136,7 +136,7 @@ impl Manifest {
         Rules::from_yaml("run.rules.profile", &text).map_err(|e| e.to_string())
     }
 
-    /// The limits of the run. Those that its version did not have yet are as by default.
+    /// The limits of the run. Missing ones have their defaults.
     ///
     /// # Errors
     /// Returns a text on what is wrong if they are not valid limits.
@@ -162,11 +162,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_run_from_before_a_limit_has_it_by_default() {
-        let text = include_str!("../../../tests/fuzz/seeds/submission-v1/submission.json");
+    fn a_limit_that_a_run_lacks_has_its_default_and_an_unknown_one_is_refused() {
+        let text = include_str!("../../../tests/fuzz/seeds/submission/submission.json");
         let mut manifest: Manifest = serde_json::from_str(text).unwrap();
         manifest.run.limits.insert("fuel_per_step".into(), 7);
-        assert!(manifest.run.limits.remove("fuel_per_task").is_none(), "the seed was made before this limit");
+        assert!(manifest.run.limits.remove("fuel_per_task").is_some());
         let limits = manifest.limits().unwrap();
         assert_eq!((limits.fuel_per_step, limits.fuel_per_task), (7, Limits::default().fuel_per_task));
         manifest.run.limits.insert("fuel_per_dream".into(), 7);

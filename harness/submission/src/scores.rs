@@ -33,15 +33,13 @@ pub struct Scores {
     pub vehicle: String,
     /// The name of the rules.
     pub rules: String,
-    /// The name of the perception profile; `oracle` for scores from before there were others.
-    #[serde(default = "oracle")]
+    /// The name of the perception profile.
     pub perception: String,
     /// The number of tasks.
     pub tasks: u64,
     /// The number of tasks by outcome.
     pub outcomes: BTreeMap<Outcome, u64>,
     /// The number of tasks of which each flag is true, whatever their outcome.
-    #[serde(default)]
     pub flags: BTreeMap<Flag, u64>,
     /// The successes over the tasks, percent, to a tenth.
     pub success_percent: f64,
@@ -53,10 +51,6 @@ pub struct Scores {
     pub roll_mean_deg: Option<f64>,
     /// The mean |pitch|, degrees, to a tenth.
     pub pitch_mean_deg: Option<f64>,
-}
-
-fn oracle() -> String {
-    vb_sense::profile::ORACLE.to_owned()
 }
 
 impl Scores {

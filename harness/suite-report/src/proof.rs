@@ -75,7 +75,6 @@ pub struct Conditions {
     /// The time step of the simulation, s.
     pub time_step: f64,
     /// The side of the cells in which soil remembers ruts, m.
-    #[serde(alias = "soil_pitch")]
     pub soil_resolution: f64,
 }
 

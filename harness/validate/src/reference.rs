@@ -59,7 +59,6 @@ struct Entry {
     kind: Kind,
     source: String,
     value: Option<f64>,
-    #[serde(alias = "share")]
     fraction: Option<f64>,
     tolerance: Option<f64>,
     at_least: Option<f64>,

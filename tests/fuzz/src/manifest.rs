@@ -17,13 +17,13 @@ const ENTRY: &str = "entry";
 
 /// The files of a submission, of which an input replaces one.
 const FILES: [(&str, &[u8]); 5] = [
-    ("submission.json", include_bytes!("../seeds/submission-v1/submission.json")),
-    ("run/tasks.jsonl", include_bytes!("../seeds/submission-v1/run/tasks.jsonl")),
-    ("run/summary.json", include_bytes!("../seeds/submission-v1/run/summary.json")),
-    ("run/run.json", include_bytes!("../seeds/submission-v1/run/run.json")),
-    ("report.html", include_bytes!("../seeds/submission-v1/report.html")),
+    ("submission.json", include_bytes!("../seeds/submission/submission.json")),
+    ("run/tasks.jsonl", include_bytes!("../seeds/submission/run/tasks.jsonl")),
+    ("run/summary.json", include_bytes!("../seeds/submission/run/summary.json")),
+    ("run/run.json", include_bytes!("../seeds/submission/run/run.json")),
+    ("report.html", include_bytes!("../seeds/submission/report.html")),
 ];
-const TRACE: &[u8] = include_bytes!("../seeds/submission-v1/run/traces/w001/t00.parquet");
+const TRACE: &[u8] = include_bytes!("../seeds/submission/run/traces/w001/t00.parquet");
 
 /// What is at hand at a verification.
 struct Bench {

@@ -6,8 +6,8 @@ use vb_report::{Beside, Report, Runs};
 
 use crate::site::Site;
 
-const HEADER: &[u8] = include_bytes!("../seeds/run-v1/run.json");
-const TASKS: &[u8] = include_bytes!("../seeds/run-v1/tasks.jsonl");
+const HEADER: &[u8] = include_bytes!("../seeds/run/run.json");
+const TASKS: &[u8] = include_bytes!("../seeds/run/tasks.jsonl");
 /// A record as this version writes it, with flags, cause and ride.
 const RECORD: &[u8] = include_bytes!("../seeds/record-v3.jsonl");
 

@@ -6,8 +6,8 @@ use vb_record::{DebugSeries, RunReader, RunStore, Trace};
 
 use crate::site::Site;
 
-const HEADER: &[u8] = include_bytes!("../seeds/run-v1/run.json");
-const TRACE: &[u8] = include_bytes!("../seeds/run-v1/trace.parquet");
+const HEADER: &[u8] = include_bytes!("../seeds/run/run.json");
+const TRACE: &[u8] = include_bytes!("../seeds/run/trace.parquet");
 /// The file that an input becomes.
 const FILE: &str = "file.parquet";
 

@@ -236,7 +236,7 @@ mod tests {
             "roll_end_deg": 0.0, "pitch_mean_deg": 1.0, "pitch_variance_deg2": 1.0, "pitch_max_deg": 4.0,
             "distance_m": 100.0, "speed_mean_m_per_s": 3.9, "speed_max_m_per_s": 4.4, "throttle_effort_s": 1.0,
             "brake_effort_s": 0.0, "steering_effort_s": 1.0, "steering_rate_per_s": 0.1,
-            "goal_distance_min_m": 7.9, "goal_distance_end_m": 42.4,
+            "reverse_s": 0.0, "goal_distance_min_m": 7.9, "goal_distance_end_m": 42.4, "end_x_m": 0.0, "end_y_m": 0.0,
         });
         serde_json::from_value(json!({
             "task": "w008/t03", "world": "w008", "elevation": "medium", "terrain": "rigid", "density": "dense",

@@ -287,7 +287,7 @@ fn a_sine_has_the_moments_of_a_sine() {
     let m = paper(60.0, at).metrics.unwrap();
     assert_eq!(m.samples, 6001);
     // After 15 rad of a circle with a radius of 20 m.
-    let [x, y] = m.end().unwrap();
+    let [x, y] = m.end();
     close(x, 20.0 * cos(15.0), 1e-6);
     close(y, 20.0 * sin(15.0), 1e-6);
     close(m.roll_mean_deg, 20.0 / PI, 2e-3);

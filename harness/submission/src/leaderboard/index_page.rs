@@ -94,10 +94,10 @@ fn board(s: &mut String, b: &Board) {
          harness {}; {}; suite hash <code title=\"{hash}\">{}</code></p>",
         about(b.division),
         grouped(m.run.tasks),
-        m.run.selector.as_ref().map_or_else(String::new, |t| {
-            let of = m.run.suite.tasks.map_or_else(String::new, |of| format!("of {}: ", grouped(of)));
-            format!(" ({of}{})", text(t))
-        }),
+        m.run
+            .selector
+            .as_ref()
+            .map_or_else(String::new, |t| { format!(" (of {}: {})", grouped(m.run.suite.tasks), text(t)) }),
         text(&m.run.rules.name),
         text(&m.run.harness_version),
         match b.ranked_by {

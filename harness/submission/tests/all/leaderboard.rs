@@ -93,7 +93,7 @@ fn holdout(b: &Bench, dir: &str, id: &str, suite: &str, success: f64, interval: 
     let scores = json!({
         "schema": 1, "harness_version": "0.1.0", "suite": suite, "suite_version": "1", "planner": id,
         "planner_version": "1", "plugin_sha256": run["plugin"]["sha256"], "vehicle": "hmmwv", "rules": "paper",
-        "tasks": 100, "outcomes": {}, "success_percent": success, "success_interval_percent": interval,
+        "perception": "oracle", "tasks": 100, "outcomes": {}, "flags": {}, "success_percent": success, "success_interval_percent": interval,
         "time_mean_s": 30.0, "roll_mean_deg": 1.0, "pitch_mean_deg": 1.0,
     });
     fs::write(b.path(dir).join(id).join("holdout.json"), scores.to_string()).unwrap();

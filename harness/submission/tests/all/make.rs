@@ -113,29 +113,24 @@ fn every_condition_of_the_ranked_division_is_one() {
 #[test]
 fn the_least_control_period_is_ranked_and_what_a_run_says_of_it_is_held_against_the_plugin() {
     let b = bench();
-    let with = |name: &str, period: Option<f64>| {
+    let with = |name: &str, period: f64| {
         let mut header = b.json("run/run.json");
-        let plugin = header["plugin"].as_object_mut().unwrap();
-        plugin.remove("control_period");
-        plugin.extend(period.map(|period| ("control_period".to_owned(), period.into())));
+        header["plugin"]["control_period"] = period.into();
         b.copy("run", name);
         b.write_json(&format!("{name}/run.json"), &header);
         let out = format!("{name}-out");
         (b.make(name, &out).unwrap(), b.verify(&out, Some((1, 0))).unwrap())
     };
     // The planner's own.
-    let (manifest, verdict) = with("p1", Some(0.1));
+    let (manifest, verdict) = with("p1", 0.1);
     assert!(verdict.verified && manifest.division == Division::Ranked);
     // A planner that hides that it acts more often, or less often, is found.
     for (name, period) in [("p2", 0.02), ("p3", 0.2)] {
-        let (manifest, verdict) = with(name, Some(period));
+        let (manifest, verdict) = with(name, period);
         assert_eq!(manifest.division, Division::Ranked, "{period}");
         let found = &verdict.findings[0];
         assert!(!verdict.verified && found.place.contains("run.plugin.control_period"), "{found}");
     }
-    let (manifest, verdict) = with("p4", None);
-    assert!(verdict.verified && manifest.division == Division::Open, "{verdict:?}");
-    assert!(manifest.open_because[0].text.contains("drive it again"), "{manifest:?}");
 }
 
 #[test]

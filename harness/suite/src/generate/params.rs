@@ -102,7 +102,6 @@ pub struct GridParams {
     /// The number of nodes along each side.
     pub nodes: usize,
     /// The distance between nodes, m.
-    #[serde(alias = "pitch")]
     pub resolution: f64,
 }
 

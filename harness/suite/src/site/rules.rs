@@ -16,7 +16,6 @@ pub struct SiteParams {
     /// The name of the rules.
     pub name: String,
     /// The distance between the nodes of a world, m.
-    #[serde(alias = "pitch")]
     pub resolution: f64,
     /// The side of a patch of ground, m.
     pub patch: f64,

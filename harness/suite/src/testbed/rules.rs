@@ -37,7 +37,6 @@ pub struct BedParams {
     /// The side of the bed, m.
     pub side: f64,
     /// The distance between the bed's nodes, m.
-    #[serde(alias = "pitch")]
     pub resolution: f64,
     /// The side of a patch of one material, m.
     pub patch: f64,
