@@ -10,7 +10,7 @@ use vb_world::{Density, Elevation, Terrain};
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
 measures! {
-    /// What a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
+    /// Resources that a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct FuelUse {
         /// Fuel in the whole task.
@@ -119,7 +119,7 @@ pub struct TaskRecord {
     pub departures: Vec<String>,
     /// The reason for the outcome, in words.
     pub reason: String,
-    /// What stopped the vehicle, if it rolled over or got stuck.
+    /// The cause of a rollover or of getting stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
     /// The figures that the cause was known by, in words; empty without a cause.

@@ -154,7 +154,7 @@ impl ProcessPlugin {
     ) -> Result<(Self, AbiVersion, Metadata), LoadError> {
         let text: Vec<_> = words.iter().map(|w| w.to_string_lossy()).collect();
         let path = PathBuf::from(text.join(" "));
-        // It is told the newest version and may answer with any version of the window.
+        // The greeting names the newest version; the reply may name any version of the window.
         let plugin = Self::new(Kind::Command { words: words.to_vec() }, AbiVersion::NEWEST, limits);
         match plugin.spawn() {
             Ok((process, introduction)) => {

@@ -221,8 +221,8 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     if untraced {
         s.push_str(
             "<p class=\"about\">Some tasks have no way on the map, since no trace of them was kept (run with --trace 10hz) or carried along (a \
-             submission has those of a few tasks). A ring is where they ended. Tasks that ended before they began have \
-             a dashed ring at the goal.</p>",
+             submission has those of a few tasks). A ring is where they ended. Tasks that ended before the first \
+             sample have a dashed ring at the goal.</p>",
         );
     }
     s.push_str(

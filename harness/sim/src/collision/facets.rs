@@ -22,7 +22,7 @@ const MARGIN: f64 = 0.06;
 /// Inclination of a wheel to a facet over which its contact moves from the middle of its width to its edge, rad: less than
 /// what a hard tyre's deflection takes, and enough that it doesn't jump.
 const UPRIGHT: f64 = 0.02;
-/// What is added to a distance that decides whether a triangle can be touched, for rounding, m.
+/// Tolerance for rounding errors of the reach test of a triangle, m.
 const ROUNDING: f64 = 1e-6;
 /// How far beyond an edge the ground is looked at to see whether it falls away there, over the wheel's radius.
 const BEYOND: f64 = 0.02;

@@ -15,7 +15,8 @@ use crate::crs::Length;
 /// Maximum length of a metadata file, bytes; histograms and attribute tables make some of them long.
 const METADATA: u64 = 1 << 24;
 
-/// Adds what the files next to `path` state. A statement that contradicts the file's own one is an error.
+/// Adds the statements of the files next to `path`. Scale, offset or unit that contradict those of the file itself are errors; the file's own
+/// coordinate system and place take precedence.
 pub(super) fn apply(path: &Path, found: &mut Found, options: &Options) -> Result<(), Flaw> {
     if let Some(file) = beside(path, "aux.xml") {
         let text = vb_files::read_text(&file, METADATA)
@@ -67,7 +68,10 @@ impl Metadata {
         }
         let band = root.children().find(|n| n.has_tag_name("PAMRasterBand") && is_first(*n));
         let Some(band) = band.filter(|_| !options.labels) else { return Ok(()) };
-        if let Some(mark) = self.mark(band)?.filter(|_| options.no_data.is_none()) {
+        // As in the file itself, a mark that can't be read doesn't matter where the caller gives one.
+        if options.no_data.is_none()
+            && let Some(mark) = self.mark(band)?
+        {
             let holes: Vec<bool> =
                 found.raster.values().iter().map(|v| is_mark(*v, mark, *v == f64::from(*v as f32))).collect();
             hide(found, holes.into_iter());
