@@ -17,6 +17,7 @@ mod bytes;
 pub mod c;
 pub mod crop;
 mod export;
+pub mod fault;
 pub mod log;
 pub mod map;
 pub mod math;

@@ -55,6 +55,23 @@ impl From<&str> for PlannerError {
     }
 }
 
+impl Command {
+    /// The command as the vehicle takes it, with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was
+    /// out of range.
+    #[must_use]
+    pub fn clamped(self) -> (Self, bool) {
+        let Self { steering, throttle, brake, .. } = self;
+        let limited = Self {
+            steering: steering.clamp(-1.0, 1.0),
+            throttle: throttle.clamp(0.0, 1.0),
+            brake: brake.clamp(0.0, 1.0),
+            ..self
+        };
+        let changed = (limited.steering, limited.throttle, limited.brake) != (steering, throttle, brake);
+        (limited, changed)
+    }
+}
+
 impl Observation {
     /// An observation of this pose and nothing else, for tests of planners.
     #[must_use]
@@ -173,6 +190,14 @@ mod tests {
 
     fn task(value: &str) -> Task {
         Task { params: vec![Param { key: "speed".into(), value: value.into() }], ..Task::default() }
+    }
+
+    #[test]
+    fn commands_out_of_range_are_clamped_and_told() {
+        let command = |steering, throttle, brake| Command { steering, throttle, brake, ..Command::default() };
+        assert_eq!(command(-1.0, 1.0, 0.0).clamped(), (command(-1.0, 1.0, 0.0), false));
+        assert_eq!(command(1.5, 0.5, 0.0).clamped(), (command(1.0, 0.5, 0.0), true));
+        assert_eq!(command(-7.0, -0.1, 2.0).clamped(), (command(-1.0, 0.0, 1.0), true));
     }
 
     #[test]

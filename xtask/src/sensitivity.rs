@@ -86,6 +86,15 @@ const BOUNDS: &[Bound] = &[
             ("stiffness: 369167.231, free_length: 0.33650", "stiffness: 479917.400, free_length: 0.32946"),
         ],
     ),
+    // Wheel rates of Chrono's reduced suspension model, which the vehicle file had before.
+    vehicle(
+        "spring rates",
+        "× 4.4",
+        &[
+            ("stiffness: 167070.939, free_length: 0.31650", "stiffness: 735112.132, free_length: 0.26241"),
+            ("stiffness: 369167.231, free_length: 0.33650", "stiffness: 1624335.816, free_length: 0.31293"),
+        ],
+    ),
     Bound {
         name: "soil strength",
         value: "cohesion −30 %, friction angle −3°",

@@ -10,7 +10,6 @@ use vb_world::SuiteError;
 
 /// The reason why something that was named can't be had. Each message is one line with what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum CatalogError {
     /// There is no folder with what comes with the harness.
     #[error(

@@ -10,10 +10,9 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use vb_runner::{Soils, Vehicle};
 use vb_sense::Profile;
-use vb_sim::SoilSet;
-use vb_vehicle::VehicleSpec;
+use vb_sim::{SoilSet, Soils};
+use vb_vehicle::{Vehicle, VehicleSpec};
 use vb_world::{Selector, SelectorError, Suite, TaskRef, WorldInfo};
 
 pub use carried::Carried;

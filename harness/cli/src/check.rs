@@ -1,7 +1,8 @@
 //! `vb-harness check`: the conformance kit on the command line.
 
 use serde::Serialize;
-use vb_host::{Limits, LoadError, one_line};
+use vb_files::one_line;
+use vb_host::{Limits, LoadError};
 use vb_runner::RunError;
 use vb_runner::conformance::{Check, Kit, KitError, Report, Verdict, check as check_plugin};
 use vb_score::Rules;

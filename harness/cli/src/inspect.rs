@@ -1,7 +1,8 @@
 //! `vb-harness inspect`.
 
 use serde::Serialize;
-use vb_host::{Limits, Plugin, one_line};
+use vb_files::one_line;
+use vb_host::{Limits, Plugin};
 use vb_sdk::metadata::Need;
 
 use crate::args::{InspectArgs, MessageFormat};

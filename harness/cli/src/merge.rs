@@ -48,7 +48,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
             summary,
         }),
         MessageFormat::Human => {
-            output::text(&vb_host::printable(&summary.table(output::width())));
+            output::text(&vb_files::printable(&summary.table(output::width())));
             if !merged.twice.is_empty() {
                 let (n, which) = (merged.twice.len(), some(&merged.twice));
                 output::note(&format!("{n} tasks were driven twice, with the same results: {which}"));

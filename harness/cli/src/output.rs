@@ -197,7 +197,7 @@ fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
 
 /// A line to stderr. Paths and texts of strangers in it can't command the terminal.
 pub(crate) fn note(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", vb_host::printable(line));
+    let _ = writeln!(std::io::stderr(), "{}", vb_files::printable(line));
 }
 
 /// A path as a shell takes it for one word.

@@ -261,11 +261,11 @@ fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
     let log = if record.fault.is_some() || debug { &record.log[..] } else { &[] };
     for line in &log[log.len().saturating_sub(LOG_LINES)..] {
         // A record on disk is data from outside too.
-        lines.push(format!("    log | {}", vb_host::one_line(line)));
+        lines.push(format!("    log | {}", vb_files::one_line(line)));
     }
     if debug {
         let frames = record.backtrace.iter().enumerate();
-        lines.extend(frames.map(|(n, name)| format!("    {n:>3} | {}", vb_host::one_line(name))));
+        lines.extend(frames.map(|(n, name)| format!("    {n:>3} | {}", vb_files::one_line(name))));
     }
     lines
 }

@@ -10,11 +10,10 @@ use vb_replay::{
     Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page,
 };
 use vb_report::Runs;
-use vb_runner::Soils;
 use vb_score::{Rules, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sense::{Perception, Profile, Seed};
-use vb_sim::SimOptions;
+use vb_sim::{SimOptions, Soils};
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, World};
 
@@ -271,7 +270,7 @@ impl Player {
             }
             let trace = part.reader.trace(task).map_err(CliError::input)?;
             let repeated = part.soils.as_ref().zip(part.rules.as_ref()).and_then(|(soils, rules)| {
-                let start = vb_runner::start(rules.start, scale);
+                let start = vb_trial::start(rules.start, scale);
                 let header = &part.header;
                 let options = SimOptions {
                     step: header.time_step,

@@ -10,6 +10,7 @@ use vb_host::Limits;
 use vb_record::{RunReader, ShardHeader, TraceMode};
 use vb_runner::{FailedStart, RunConfig, RunError};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
+use vb_trial::TrialError;
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
@@ -71,7 +72,7 @@ pub(crate) fn drive(
             summary: &report.summary,
         }),
         MessageFormat::Human => {
-            output::text(&vb_host::printable(&report.summary.table(output::width())));
+            output::text(&vb_files::printable(&report.summary.table(output::width())));
             if let Some(clamped) = progress.clamped() {
                 output::text(&format!("{clamped}\n"));
             }
@@ -251,7 +252,7 @@ fn rfc3339(time: SystemTime) -> String {
 pub(crate) fn run_error(e: RunError) -> CliError {
     match e {
         RunError::Store(e) => e.into(),
-        RunError::Param(_) | RunError::NoTasks | RunError::Scale(_) => CliError::usage(e),
+        RunError::Param(_) | RunError::NoTasks | RunError::Trial(TrialError::Scale(_)) => CliError::usage(e),
         _ => CliError::input(e),
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
             output::json(&Message::Summary { resolution_s, exact, summary: &result.summary });
         }
         MessageFormat::Human => {
-            output::text(&vb_host::printable(&result.summary.table(output::width())));
+            output::text(&vb_files::printable(&result.summary.table(output::width())));
             if !result.exact {
                 output::note(&format!(
                     "scored from samples every {} s: figures are as good as that (run with --trace full for exact ones)",

@@ -118,7 +118,11 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
                 manifest.division.name()
             ));
             for reason in &manifest.open_because {
-                output::note(&format!("  not ranked, {}: {}", reason.field, vb_host::one_line(&reason.text)));
+                output::note(&format!(
+                    "  not ranked, {}: {}",
+                    reason.field,
+                    vb_files::one_line(&reason.text)
+                ));
             }
             output::note(&format!(
                 "check it with: vb-harness verify {} --plugin {} --sample 10{}",
@@ -138,7 +142,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         let why = m
             .open_because
             .first()
-            .map_or_else(String::new, |r| format!(", for its {}", vb_host::one_line(&r.field)));
+            .map_or_else(String::new, |r| format!(", for its {}", vb_files::one_line(&r.field)));
         return Err(CliError::not_verified(format!(
             "{}: in the open division{why} (verify it without --ranked)",
             args.submission.display()
@@ -218,7 +222,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     if verdict.verified {
         return Ok(());
     }
-    let first = verdict.findings.first().map_or_else(String::new, |f| vb_host::one_line(&f.to_string()));
+    let first = verdict.findings.first().map_or_else(String::new, |f| vb_files::one_line(&f.to_string()));
     let more = match verdict.findings.len() as u64 + verdict.more_findings {
         0 | 1 => String::new(),
         n => format!(" (and {} more, see {})", n - 1, out.display()),
@@ -251,7 +255,7 @@ fn told(verdict: &Verification, drawn: Option<u32>) -> String {
     }
     let mut text = output::columns(&rows);
     for f in &verdict.findings {
-        text += &format!("  {}\n", vb_host::one_line(&f.to_string()));
+        text += &format!("  {}\n", vb_files::one_line(&f.to_string()));
     }
     if verdict.more_findings > 0 {
         text += &format!("  and {} more\n", verdict.more_findings);
@@ -330,7 +334,7 @@ fn plain<'a>(what: &str, name: &'a str) -> Result<&'a str, CliError> {
     }
     Err(CliError::input(format!(
         "{what} {:?} of the submission can't be looked up by its name (name yours with --{what})",
-        vb_host::one_line(name)
+        vb_files::one_line(name)
     )))
 }
 

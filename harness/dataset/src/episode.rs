@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use vb_record::Sample;
-use vb_runner::Witness;
 use vb_sdk::{Command, Observation};
 use vb_sim::{Controls, Gear, Simulation, VehicleState};
+use vb_trial::Witness;
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
 use crate::feature::{Feature, Frame, Ground, Values};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vb_record::StoreError;
-use vb_runner::RunError;
+use vb_trial::TrialError;
 use vb_world::SuiteError;
 
 /// What to do about an error of the operating system.
@@ -19,7 +19,6 @@ fn hint(source: &std::io::Error) -> &'static str {
 
 /// An error of a dataset. Each message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum DatasetError {
     /// The operating system refuses.
     #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
@@ -199,9 +198,12 @@ pub enum DatasetError {
         /// What is wrong.
         problem: String,
     },
-    /// A trial can't be made.
+    /// A trial can't start.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Trial(#[from] TrialError),
+    /// The system can't start a thread.
+    #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
+    Thread(std::io::Error),
     /// The worlds can't be read or written.
     #[error(transparent)]
     Suite(#[from] SuiteError),

@@ -32,7 +32,7 @@ pub use explore::{Exploration, ExplorationError};
 pub use failure::{SECONDS, failures};
 pub use feature::{CROP_SIDE, Dtype, Feature, Layout, Values};
 pub use header::{DATASET_SCHEMA, Header, Kind, LICENCE, PlannerHeader};
-pub use make::{Amount, ENDED, Kept, Making, Progress, keep_apart};
+pub use make::{Amount, ENDED, Kept, Making, Planner, Progress, keep_apart};
 pub use part::Part;
 pub use reader::Dataset;
 pub use validate::{Findings, validate};

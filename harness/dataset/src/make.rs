@@ -5,14 +5,13 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vb_host::{Limits, Plugin};
 use vb_math::rng::Stream;
 use vb_record::{LogMode, RunReader, Sample, TraceMode};
-use vb_runner::{Driver, Keep, Place, PluginDriver, SAMPLE_PERIOD, Setting, TrialResult, Wants, Witness};
 use vb_score::{Cause, Outcome, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sdk::{Command, Observation};
-use vb_sim::{Controls, Simulation, VehicleState};
+use vb_sim::{Controls, SAMPLE_PERIOD, Simulation, VehicleState};
+use vb_trial::{Driver, Keep, Place, Setting, TrialResult, Wants, Witness};
 use vb_world::{Suite, Task, TaskRef};
 
 use crate::episode::{Episode, EpisodeInfo, Recorder};
@@ -52,8 +51,18 @@ pub struct Making<'a> {
     pub hz: u32,
     /// Threads.
     pub jobs: usize,
+    /// The stack of each thread, bytes; WASM planners run on it.
+    pub stack_bytes: usize,
     /// Set to end it.
     pub cancel: &'a AtomicBool,
+}
+
+/// A planner that drives tasks for a dataset.
+pub struct Planner<'a> {
+    /// What it asks for.
+    pub wants: Wants,
+    /// Makes a driver for one drive.
+    pub driver: Box<dyn Fn() -> Box<dyn Driver + 'a> + Sync + 'a>,
 }
 
 /// Refuses worlds that belong to a suite on which planners are judged, by their content.
@@ -212,7 +221,6 @@ impl Making<'_> {
     ) -> Result<bool, DatasetError> {
         let mut result = Ok(());
         let first = usize::try_from(writer.next_drive()).unwrap_or(usize::MAX);
-        let stack = Limits::default().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
         let take = |drive: usize, episode: Result<Option<Episode>, DatasetError>| {
             result = episode.and_then(|e| e.map_or(Ok(()), |e| writer.add(&e)));
             progress(Progress { drives: drive + 1, episodes: writer.episodes(), frames: writer.frames() });
@@ -222,8 +230,7 @@ impl Making<'_> {
                 ControlFlow::Continue(())
             }
         };
-        ordered(self.jobs, stack, first, make, take)
-            .map_err(|e| DatasetError::Run(vb_runner::RunError::Thread(e)))?;
+        ordered(self.jobs, self.stack_bytes, first, make, take).map_err(DatasetError::Thread)?;
         result.map(|()| !self.cancel.load(Ordering::Relaxed))
     }
 
@@ -278,14 +285,14 @@ impl Making<'_> {
     pub fn drive(
         &self,
         writer: &mut DatasetWriter,
-        planners: &[(Plugin, Wants)],
+        planners: &[Planner<'_>],
         tasks: &[TaskRef],
         kept: Kept,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<bool, DatasetError> {
         let features = writer.features().to_vec();
         let mut every = Vec::new();
-        for (_, wants) in planners {
+        for Planner { wants, .. } in planners {
             every.push(steps_of_a_frame(self.hz, &wants.name, wants.control_period)?);
         }
         let sites = Sites { making: self, loaded: Mutex::default() };
@@ -294,10 +301,10 @@ impl Making<'_> {
             if index >= total || self.cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            let (plugin, wants) = &planners[index / tasks.len()];
+            let planner = &planners[index / tasks.len()];
             let task = &tasks[index % tasks.len()];
             let every = every[index / tasks.len()];
-            let episode = self.task(&sites, &features, (index, task), plugin, (wants, every), kept);
+            let episode = self.task(&sites, &features, (index, task), planner, every, kept);
             (!self.cancel.load(Ordering::Relaxed)).then_some(episode)
         };
         self.gather(writer, make, progress, &|_| false)
@@ -308,16 +315,17 @@ impl Making<'_> {
         sites: &Sites<'_>,
         features: &[Feature],
         (index, wanted): (usize, &TaskRef),
-        plugin: &Plugin,
-        (wants, every): (&Wants, u64),
+        planner: &Planner<'_>,
+        every: u64,
         kept: Kept,
     ) -> Result<Option<Episode>, DatasetError> {
         let site = sites.site(&wanted.world)?;
         let Some(task) = site.place.world.task(&wanted.task) else { return Ok(None) };
         let name = wanted.to_string();
+        let wants = &planner.wants;
         let drive = Drive { task, name, instruction: "Drive to the goal.", index, wants, every };
-        let mut driver = PluginDriver::new(plugin);
-        let episode = self.episode(&site, features, &drive, &mut driver)?;
+        let mut driver = (planner.driver)();
+        let episode = self.episode(&site, features, &drive, &mut *driver)?;
         // It would fail in all others alike.
         if let Some((episode, Outcome::PlannerError)) = &episode
             && episode.frames == 0

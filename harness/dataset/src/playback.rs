@@ -3,10 +3,10 @@
 use std::iter::Peekable;
 use std::slice::Iter;
 
-use vb_host::{LogSink, PlannerFault};
 use vb_record::{Sample, Trace};
-use vb_runner::{Driver, SAMPLE_PERIOD, commanded_gear};
-use vb_sdk::{Command, Gear, Observation, Task};
+use vb_sdk::{Command, Observation, Task};
+use vb_sim::SAMPLE_PERIOD;
+use vb_trial::{Driver, DriverFault, Log, commanded_gear, planner_gear};
 
 /// Gives the commands of a trace again. It decides at every sample, so that it doesn't matter how often the planner did.
 pub(crate) struct Playback<'a> {
@@ -26,20 +26,16 @@ impl Driver for Playback<'_> {
         self.name.clone()
     }
 
-    fn start(&mut self, _: &Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, _: &Task, _: Log) -> Result<(), DriverFault> {
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         // A sample has the command that was applied up to it.
         let next = observation.time + SAMPLE_PERIOD;
         while self.samples.next_if(|s| s.time < next - 0.25 * SAMPLE_PERIOD).is_some() {}
         if let Some(s) = self.samples.peek() {
-            let gear = match commanded_gear(s) {
-                vb_sim::Gear::Forward => Gear::Forward,
-                vb_sim::Gear::Neutral => Gear::Neutral,
-                vb_sim::Gear::Reverse => Gear::Reverse,
-            };
+            let gear = planner_gear(commanded_gear(s));
             let Sample { steering, throttle, brake, .. } = **s;
             self.last = Command { steering, throttle, brake, gear, debug: Vec::new() };
         }

@@ -12,11 +12,11 @@ use vb_dataset::{
     Amount, Dataset, DatasetWriter, Episode, EpisodeInfo, Exploration, Feature, Header, Layout, Making,
 };
 use vb_math::{cos, sin};
-use vb_runner::{Setting, Soils, Vehicle};
 use vb_score::Rules;
 use vb_sense::Profile;
-use vb_sim::SoilSet;
-use vb_vehicle::VehicleSpec;
+use vb_sim::{SoilSet, Soils};
+use vb_trial::Setting;
+use vb_vehicle::{Vehicle, VehicleSpec};
 
 /// Straight ahead at 3 m/s.
 const STRAIGHT: &str = "
@@ -44,7 +44,8 @@ fn explored(dir: &Path, crops: usize, profile: &Profile) -> Dataset {
     let out = dir.join("d");
     let mut writer = DatasetWriter::create(&out, header, &suite, 600).unwrap();
     let cancel = AtomicBool::new(false);
-    let making = Making { setting: &setting, worlds: &suite, hz: 10, jobs: 1, cancel: &cancel };
+    let making =
+        Making { setting: &setting, worlds: &suite, hz: 10, jobs: 1, stack_bytes: 4 << 20, cancel: &cancel };
     assert!(making.explore(&mut writer, &exploration, Amount::Episodes(3), &mut |_| {}).unwrap());
     assert_eq!(writer.finish().unwrap().episodes, 3);
     Dataset::open(&out).unwrap()

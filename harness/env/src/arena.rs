@@ -6,10 +6,10 @@ use std::sync::Arc;
 use vb_catalog::Catalog;
 use vb_record::{LogMode, TraceMode};
 use vb_render::Painter;
-use vb_runner::{Keep, Place, SAMPLE_PERIOD, Setting, Trial, Wants};
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
-use vb_sim::Simulation;
+use vb_sim::{SAMPLE_PERIOD, Simulation};
+use vb_trial::{Keep, Place, Setting, Trial, Wants};
 use vb_world::{Suite, Task, TaskRef};
 
 use crate::cache::Cache;
@@ -137,7 +137,7 @@ impl Arena {
             return Err(option("control_hz", options.control_hz.to_string(), problem));
         }
         let step = options.time_step;
-        if !vb_runner::is_time_step(step) {
+        if !vb_trial::is_time_step(step) {
             let problem =
                 "must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001 (the benchmark's) or 0.002";
             return Err(option("time_step", step.to_string(), problem));

@@ -1,16 +1,17 @@
 //! One environment: an episode after another.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use vb_math::hypot;
 use vb_math::rng::Stream;
 use vb_render::{Moment, Size, View};
-use vb_runner::Episode;
 use vb_score::{Outcome, TaskRecord};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::policy::{Actuator, Dimension, Observer, Row};
 use vb_sdk::{Observation, Point2};
 use vb_sim::{SimError, VehicleState};
+use vb_trial::Episode;
 
 use crate::arena::Start;
 use crate::drive_log::DriveLog;
@@ -297,8 +298,8 @@ impl Running {
         let perception = arena.setting.perception(&start.place, &start.task, &arena.wants, run_seed)?;
         let trial = arena.trial(&start, &brief);
         let mut episode = Episode::new(&trial, start.simulation.clone(), perception);
-        let is_over = episode.begin(&mut ());
-        let record = is_over.then(|| Box::new(trial.result_of(&episode, None).record));
+        let begun = episode.begin(&mut ());
+        let record = begun.is_break().then(|| Box::new(trial.result_of(&episode, None).record));
         let observation = episode.observe();
         let mut observer = Observer::new(&brief, arena.layout()).map_err(EnvError::Observation)?;
         observer.look(&observation);
@@ -337,7 +338,8 @@ impl Running {
         let taken = self.episode.command(&command);
         let contact_steps = self.episode.simulation().contact_steps();
         let ended = match self.episode.advance(&mut ()) {
-            Ok(is_over) => is_over.then_some(None),
+            Ok(ControlFlow::Continue(())) => None,
+            Ok(ControlFlow::Break(())) => Some(None),
             Err(e) => Some(Some(e)),
         };
         self.contact_steps = self.episode.simulation().contact_steps() - contact_steps;

@@ -4,10 +4,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use vb_catalog::CatalogError;
 use vb_curriculum::CurriculumError;
-use vb_runner::{RunError, panic_text};
 use vb_score::RulesError;
 use vb_sdk::PlannerError;
 use vb_sim::SimError;
+use vb_trial::{TrialError, panic_text};
 use vb_world::{SelectorError, SuiteError};
 
 /// An error of an environment. Each message is one line with what, where, and what to do.
@@ -28,7 +28,7 @@ pub enum EnvError {
     Rules(#[from] RulesError),
     /// Vehicle, perception or scale don't fit.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Trial(#[from] TrialError),
     /// The vehicle can't be put at the start of a task.
     #[error("{task}: {source}")]
     Start {

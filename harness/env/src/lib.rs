@@ -3,7 +3,7 @@
 //! An [`Arena`] holds what environments of one kind share: the tasks, the vehicle, what is observed, what an action means,
 //! what a step is worth. An [`Env`] drives one episode after another in it, and a [`VectorEnv`] many at a time on several
 //! threads. Observations and actions are those of [`vb_sdk::policy`], so that a policy drives as a plugin as it does here, and
-//! episodes are those of [`vb_runner::Episode`], so that its records are those of the benchmark, bit for bit.
+//! episodes are those of [`vb_trial::Episode`], so that its records are those of the benchmark, bit for bit.
 //!
 //! Everything that is random follows from the seed of [`Env::reset`]: the tasks, and the noise of the sensors. Which thread
 //! steps an environment changes nothing.

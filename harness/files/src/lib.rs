@@ -5,12 +5,14 @@
 
 pub mod bundle;
 mod hash;
+mod text;
 
 pub use hash::{Hash, sha256};
 use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::path::Path;
+pub use text::{one_line, printable};
 
 /// The most that is read of a document that people write or look at – a vehicle, rules, a suite's index – in bytes. The largest
 /// that comes with the harness has 65 KB.

@@ -7,7 +7,6 @@ use vb_render::RenderError;
 
 /// An error of a film. Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum FilmError {
     /// More runs than can be shown beside each other.
     #[error("{runs} runs can't be shown beside each other (name {most} at most)")]

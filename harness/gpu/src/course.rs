@@ -27,7 +27,7 @@ pub enum CourseError {
     #[error(transparent)]
     Rules(#[from] vb_score::RulesError),
     #[error(transparent)]
-    Run(#[from] vb_runner::RunError),
+    Trial(#[from] vb_trial::TrialError),
     #[error(
         "time_step: {0:?} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
     )]
@@ -37,7 +37,7 @@ pub enum CourseError {
 /// Tasks of a suite with one vehicle, by the rules of the benchmark.
 pub struct Course {
     /// The vehicle, its soils, and how it is stepped.
-    pub setting: vb_runner::Setting,
+    pub setting: vb_trial::Setting,
     /// The worlds, at the vehicle's scale.
     pub worlds: Vec<World>,
     /// The tasks, each with the number of its world.
@@ -57,14 +57,14 @@ impl Course {
         vehicle: &str,
         time_step: f64,
     ) -> Result<Self, CourseError> {
-        if !vb_runner::is_time_step(time_step) {
+        if !vb_trial::is_time_step(time_step) {
             return Err(CourseError::TimeStep(time_step));
         }
         let suite = catalog.open_suite(Some(suite))?;
         let (vehicle, soils) = (catalog.vehicle(vehicle)?, catalog.soils("default", SOIL_RESOLUTION)?);
         let (rules, perception) = (Rules::resolve("paper")?, catalog.perception("oracle")?);
         let scale = vehicle.spec.scale;
-        let setting = vb_runner::Setting::new(&vehicle, &soils, &rules, &perception, time_step, scale, 0)?;
+        let setting = vb_trial::Setting::new(&vehicle, &soils, &rules, &perception, time_step, scale, 0)?;
         let (mut worlds, mut chosen) = (Vec::<World>::new(), Vec::new());
         for TaskRef { world: id, task } in vb_catalog::select(&suite, tasks)? {
             let world = match worlds.iter().position(|world| world.id == id) {

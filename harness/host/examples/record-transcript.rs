@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use transcript::{Step, Transcript, bits, observation};
-use vb_host::{Limits, LogSink, Plugin, clamp};
+use vb_host::{Limits, LogSink, Plugin};
 use vb_sdk::math;
 
 fn main() -> ExitCode {
@@ -43,7 +43,7 @@ fn main() -> ExitCode {
         for wheel in 0..4 {
             sees.extend([short(speed / 0.47), 0.01 * f64::from(wheel)]);
         }
-        let (command, _) = clamp(session.step(&observation(&sees)).unwrap());
+        let (command, _) = session.step(&observation(&sees)).unwrap().clamped();
         transcript.steps.push(Step { sees, answers: bits(&command) });
         last = [command.steering, command.throttle, command.brake];
         speed = short(speed + 0.1 * (4.0 * command.throttle - 6.0 * command.brake - 0.1 * speed));

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use crate::FaultCause;
 use crate::abi::{self, AbiVersion};
-use crate::code::FaultCode;
 use crate::hint;
+use vb_sdk::fault::FaultCode;
 
 /// The reason why a file can't be used as a planner plugin. Every message is one line: what, where, what to do.
 #[derive(Debug, thiserror::Error)]

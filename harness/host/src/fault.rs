@@ -5,8 +5,8 @@ use std::fmt;
 use serde::Serialize;
 use vb_worker::protocol::MALFORMED;
 
-use crate::code::{Blame, FaultCode};
 use crate::hint;
+use vb_sdk::fault::{Blame, FaultCode};
 
 /// The reason why a planner ended its task.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]

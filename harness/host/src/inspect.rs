@@ -8,8 +8,8 @@ use vb_sdk::metadata::{ELF_SECTION, MACHO_SECTION, Metadata, WASM_SECTION};
 use wasmparser::{BinaryReaderError, Encoding, Parser, Payload};
 
 use crate::abi::{self, AbiVersion};
-use crate::text::{one_line, printable};
 use crate::{Limits, LoadError, hint};
+use vb_files::{one_line, printable};
 
 /// What a plugin is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,6 @@
 //! does wrong ends as a [`PlannerFault`], never as a panic. The interface itself is described in `docs/abi.md`.
 
 mod abi;
-mod code;
 mod error;
 mod fault;
 mod hint;
@@ -16,18 +15,16 @@ mod native;
 mod plugin;
 mod process;
 mod system;
-mod text;
 mod wasm;
 
 pub use abi::AbiVersion;
-pub use code::{Blame, FaultCode};
 pub use error::{LoadError, ParamError};
 pub use fault::{FaultCause, PlannerFault, ProcessEnd, Resource};
 pub use inspect::{imports, inspect};
 pub use limits::Limits;
 pub use log::LogSink;
 pub use native::{ProcessOptions, serve_as_worker};
-pub use plugin::{FuelMeter, Plugin, PluginKind, Session, clamp, resolve_params};
-pub use text::{one_line, printable};
+pub use plugin::{FuelMeter, Plugin, PluginKind, Session, resolve_params};
+pub use vb_sdk::fault::{Blame, FaultCode};
 pub use vb_sdk::metadata::{Metadata, ParamSpec};
 pub use vb_worker::sandbox::SandboxReport;

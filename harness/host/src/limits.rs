@@ -78,6 +78,12 @@ impl Limits {
     /// [`stack_bytes`](Self::stack_bytes).
     pub const THREAD_STACK_BYTES: usize = 1 << 20;
 
+    /// The stack of a thread that runs trials with planners under these limits, bytes.
+    #[must_use]
+    pub fn thread_stack_bytes(&self) -> usize {
+        self.stack_bytes + 2 * Self::THREAD_STACK_BYTES
+    }
+
     /// Checks that every limit is one that can be kept.
     ///
     /// # Errors

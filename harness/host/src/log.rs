@@ -4,7 +4,7 @@ use std::fmt;
 
 use vb_sdk::LogLevel;
 
-use crate::text::printable;
+use vb_files::printable;
 
 /// What is done with a line.
 type Take = dyn FnMut(LogLevel, &str) + Send;

@@ -277,7 +277,7 @@ pub struct FuelMeter {
 }
 
 impl Session {
-    /// Takes one step of the planner. The command that it returns is finite but may be out of range: see [`clamp`].
+    /// Takes one step of the planner. The command that it returns is finite but may be out of range: see [`Command::clamped`].
     ///
     /// # Errors
     /// Returns an error if the planner fails or its command is not finite. The session is over then; any further call
@@ -336,20 +336,6 @@ fn finite(command: Command) -> Result<Command, FaultCause> {
     }
 }
 
-/// The command with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was out of range.
-#[must_use]
-pub fn clamp(command: Command) -> (Command, bool) {
-    let Command { steering, throttle, brake, .. } = command;
-    let limited = Command {
-        steering: steering.clamp(-1.0, 1.0),
-        throttle: throttle.clamp(0.0, 1.0),
-        brake: brake.clamp(0.0, 1.0),
-        ..command
-    };
-    let changed = (limited.steering, limited.throttle, limited.brake) != (steering, throttle, brake);
-    (limited, changed)
-}
-
 /// SHA-256 of a command: of each word its length and text, and its content if it is a file.
 fn command_hash(words: &[OsString]) -> String {
     let mut hash = Hash::new();
@@ -372,13 +358,6 @@ mod tests {
 
     fn command(steering: f64, throttle: f64, brake: f64) -> Command {
         Command { steering, throttle, brake, ..Command::default() }
-    }
-
-    #[test]
-    fn commands_out_of_range_are_clamped_and_told() {
-        assert_eq!(clamp(command(-1.0, 1.0, 0.0)), (command(-1.0, 1.0, 0.0), false));
-        assert_eq!(clamp(command(1.5, 0.5, 0.0)), (command(1.0, 0.5, 0.0), true));
-        assert_eq!(clamp(command(-7.0, -0.1, 2.0)), (command(-1.0, 0.0, 1.0), true));
     }
 
     #[test]

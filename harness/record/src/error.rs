@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 /// An error of the run store. Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum StoreError {
     /// The operating system refused an operation.
     #[error("cannot {action} {}: {source}{}", .path.display(), hint(action, .source))]

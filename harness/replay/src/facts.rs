@@ -83,7 +83,7 @@ pub(crate) fn facts(run: &ReplayRun, scale: f64) -> Vec<(&'static str, String)> 
         facts.push(("evidence", record.evidence.clone()));
     }
     if let Some(fault) = &record.fault {
-        facts.push(("fault", fault.clone()));
+        facts.push(("fault", fault.to_string()));
     }
     let spec = &run.vehicle;
     facts.push(("vehicle", format!("{}: {}", spec.name, spec.description)));

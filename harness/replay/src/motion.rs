@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use vb_record::{Sample, Trace};
-use vb_runner::{StateHash, commanded_gear, sample};
 use vb_sense::Truth;
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet, VehicleState};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, StateHash, VehicleState};
+use vb_trial::{commanded_gear, sample};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
 

@@ -14,11 +14,10 @@ use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, T
 use vb_replay::{
     Link, Links, Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
 };
-use vb_runner::StateHash;
 use vb_score::{Cause, Outcome, Rules, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sense::{Perception, Profile, Readings, Seed, Truth};
-use vb_sim::{Controls, SimOptions, Simulation, SoilSet};
+use vb_sim::{Controls, SimOptions, Simulation, SoilSet, StateHash};
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Obstacle, ObstacleKind, Pose2, Task, TerrainClass, World};
 
@@ -188,7 +187,7 @@ impl Drive {
             reason: format!("it sank {label}"),
             cause: Some(Cause::SpinningOnSoil),
             evidence: format!("it dug {label}"),
-            fault: Some(label.into()),
+            fault: Some(vb_sdk::fault::FaultCode::Panic),
             time_s: 4.0,
             state_hash: self.hash.clone(),
             sim_steps: 4000,

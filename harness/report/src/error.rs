@@ -6,7 +6,6 @@ use vb_record::StoreError;
 
 /// An error of a report. Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ReportError {
     /// A run can't be read.
     #[error(transparent)]

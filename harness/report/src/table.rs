@@ -50,7 +50,7 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Row<'a> {
         ("reason", text(&r.reason)),
         ("cause", text(r.cause.map_or("", vb_score::Cause::name))),
         ("evidence", text(&r.evidence)),
-        ("fault", text(r.fault.as_deref().unwrap_or(""))),
+        ("fault", text(r.fault.map_or("", |code| code.name()))),
         ("time_s", Cell::Number(Some(r.time_s))),
         ("state_hash", text(&r.state_hash)),
         ("sim_steps", Cell::Count(Some(r.sim_steps))),

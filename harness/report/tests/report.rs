@@ -390,7 +390,6 @@ fn no_text_of_a_planner_becomes_markup() {
     hostile.soils.name = HOSTILE.into();
     let records = tasks(1, |_, _| false).into_iter().map(|mut r| {
         r.reason = format!("planner {HOSTILE} said\u{202e} {HOSTILE}");
-        r.fault = Some(HOSTILE.into());
         r.world = format!("w\"{HOSTILE}");
         r
     });

@@ -1,46 +1,10 @@
-//! Who drives in a trial, and who looks on.
+//! A planner's plugin as the driver of a trial.
 
-use vb_host::{FuelMeter, Limits, LogSink, PlannerFault, Plugin, Session, one_line};
-use vb_record::Sample;
-use vb_sdk::{Command, Observation, Task};
-use vb_sim::{Controls, Simulation, VehicleState};
-
-/// Who drives in a trial: a planner's plugin ([`PluginDriver`]), or something within the harness. A driver drives one
-/// trial.
-pub trait Driver {
-    /// The name and the version, for messages.
-    fn name(&self) -> String;
-
-    /// Takes in what is told about the task.
-    ///
-    /// # Errors
-    /// Returns an error if the driver can't begin.
-    fn start(&mut self, brief: &Task, log: LogSink) -> Result<(), PlannerFault>;
-
-    /// Decides on a command, every `brief.control_period` seconds. It may be out of range.
-    ///
-    /// # Errors
-    /// Returns an error if the driver fails; this ends the trial.
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault>;
-
-    /// What has been used until now; `None` for a driver that isn't metered.
-    fn metered(&self) -> Option<Metered> {
-        None
-    }
-}
-
-/// What a metered driver has used, and what it was allowed.
-#[derive(Clone, Copy, Debug)]
-pub struct Metered {
-    /// The fuel.
-    pub fuel: FuelMeter,
-    /// The most memory, bytes.
-    pub memory_bytes: u64,
-    /// The fuel that start-up and `init` may use.
-    pub fuel_init: u64,
-    /// The fuel that a step may use.
-    pub fuel_per_step: u64,
-}
+use vb_files::one_line;
+use vb_host::{Limits, LogSink, Metadata, PlannerFault, Plugin, Session};
+use vb_sdk::{Command, Observation, Param, Task};
+use vb_sense::Profile;
+use vb_trial::{Driver, DriverFault, Fuel, Log, Wants};
 
 /// A planner's plugin as the driver of a trial.
 pub struct PluginDriver<'a> {
@@ -62,40 +26,46 @@ impl Driver for PluginDriver<'_> {
         format!("planner {} {}", one_line(&planner.name), one_line(&planner.version))
     }
 
-    fn start(&mut self, brief: &Task, log: LogSink) -> Result<(), PlannerFault> {
-        self.session = Some(self.plugin.start(brief, log)?);
+    fn start(&mut self, brief: &Task, log: Log) -> Result<(), DriverFault> {
+        self.session = Some(self.plugin.start(brief, LogSink::new(log)).map_err(|f| driver_fault(&f))?);
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         match &mut self.session {
-            Some(session) => session.step(observation),
+            Some(session) => session.step(observation).map_err(|f| driver_fault(&f)),
             // A trial starts its driver first; a vehicle without a driver stands.
             None => Ok(Command { brake: 1.0, ..Command::default() }),
         }
     }
 
-    fn metered(&self) -> Option<Metered> {
+    fn fuel(&self) -> Option<Fuel> {
         let session = self.session.as_ref()?;
         let Limits { fuel_init, fuel_per_step, .. } = *self.plugin.limits();
-        let (fuel, memory_bytes) = (session.fuel()?, session.memory_bytes().unwrap_or(0));
-        Some(Metered { fuel, memory_bytes, fuel_init, fuel_per_step })
+        let (used, memory_bytes) = (session.fuel()?, session.memory_bytes().unwrap_or(0));
+        Some(Fuel {
+            init: used.init,
+            last_step: used.last_step,
+            init_limit: fuel_init,
+            step_limit: fuel_per_step,
+            memory_bytes,
+        })
     }
 }
 
-/// Someone who looks on at a trial, and changes nothing.
-pub trait Witness {
-    /// The driver has seen `observation`, while the vehicle was in `state`, and commanded `given`, of which `taken` is what
-    /// is within range, and holds until the next step.
-    fn step(&mut self, state: &VehicleState, observation: &Observation, given: &Command, taken: Controls) {
-        let _ = (state, observation, given, taken);
-    }
-
-    /// The simulation at a sample, with the vehicle's state: at the start, and every 10 ms.
-    fn sample(&mut self, sim: &Simulation, state: &VehicleState, sample: &Sample) {
-        let _ = (sim, state, sample);
+fn driver_fault(fault: &PlannerFault) -> DriverFault {
+    DriverFault {
+        code: fault.code(),
+        message: fault.to_string(),
+        hint: fault.cause.hint(),
+        backtrace: fault.cause.backtrace().to_vec(),
     }
 }
 
-/// Nobody looks on.
-impl Witness for () {}
+/// What a plugin asks for under a perception profile.
+#[must_use]
+pub fn wants(plugin: &Plugin, perception: &Profile, params: Vec<Param>) -> Wants {
+    let Metadata { name, control_period, .. } = plugin.metadata();
+    let needs = perception.sensors_of(plugin.metadata());
+    Wants { name: name.clone(), control_period: *control_period, needs, params }
+}

@@ -2,14 +2,11 @@
 
 use vb_host::ParamError;
 use vb_record::StoreError;
-use vb_sense::SenseError;
-use vb_sim::SimError;
-use vb_vehicle::{SCALES, VehicleError};
+use vb_trial::TrialError;
 use vb_world::SuiteError;
 
 /// An error of a run. What planners do wrong is not such an error but a task's outcome.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RunError {
     /// The suite can't be read.
     #[error(transparent)]
@@ -20,12 +17,9 @@ pub enum RunError {
     /// The planner doesn't have a parameter.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// The vehicle can't be used.
+    /// Vehicle, scale or perception profile can't be used.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
-    /// The vehicle can't be simulated.
-    #[error(transparent)]
-    Simulation(#[from] SimError),
+    Trial(#[from] TrialError),
     /// The planner wants to be called at a rate that doesn't fit the simulation.
     #[error(
         "planner {planner} wants a control period of {period} s, which is no multiple of the simulation's step of {step} s"
@@ -37,14 +31,6 @@ pub enum RunError {
         period: f64,
         /// The time step of the simulation, s.
         step: f64,
-    },
-    /// The planner asks for what the perception profile doesn't offer.
-    #[error("planner {planner}: {source}")]
-    Perception {
-        /// The name of the planner.
-        planner: String,
-        /// What it asks for, and what there is.
-        source: SenseError,
     },
     /// The system can't start a thread.
     #[error("can't start a worker thread: {0} (use fewer with --jobs)")]
@@ -64,7 +50,4 @@ pub enum RunError {
     /// There are no tasks to run.
     #[error("no task is chosen")]
     NoTasks,
-    /// The scale is one that no world has.
-    #[error("a scale of {0} is not in {least} to {most}", least = SCALES.start(), most = SCALES.end())]
-    Scale(f64),
 }

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use serde::Serialize;
-use vb_host::{Blame, FaultCode};
 use vb_score::{Outcome, TaskRecord};
+use vb_sdk::fault::{Blame, FaultCode};
 
 /// The number of first tasks after which a run stops if the planner fails alike in all of them, before its first
 /// command, or the simulation fails in all of them. In the suites that come with the harness they are of two worlds with
@@ -21,7 +21,7 @@ pub struct FailedStart {
     /// The number of those tasks.
     pub tasks: usize,
     /// The code of the fault of the first of them, e.g. `planner/init-failed`.
-    pub fault: String,
+    pub fault: FaultCode,
     /// The reason in the record of the first of them, with the planner's own words.
     pub reason: String,
 }
@@ -29,7 +29,7 @@ pub struct FailedStart {
 impl fmt::Display for FailedStart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { tasks, fault, reason } = self;
-        match blame(fault) {
+        match fault.blame() {
             Blame::Planner => write!(
                 f,
                 "the planner failed alike in all of the first {tasks} tasks before its first command ({fault}), in the first so: \
@@ -50,7 +50,7 @@ impl fmt::Display for FailedStart {
 #[derive(Debug, Default)]
 pub(crate) struct FailFast {
     /// The faults of the first tasks, as far as they have ended: code and reason.
-    faults: Vec<Option<(String, String)>>,
+    faults: Vec<Option<(FaultCode, String)>>,
     /// Whether a task has ended otherwise, so that there is nothing to watch for any more.
     started: bool,
     found: Option<FailedStart>,
@@ -72,7 +72,7 @@ impl FailFast {
         if self.faults.len() <= place {
             self.faults.resize(place + 1, None);
         }
-        self.faults[place] = Some((fault.to_owned(), record.reason.clone()));
+        self.faults[place] = Some((fault, record.reason.clone()));
         self.found = self.failed_start();
         self.found.is_some()
     }
@@ -80,13 +80,13 @@ impl FailFast {
     /// The verdict on the tasks so far.
     fn failed_start(&self) -> Option<FailedStart> {
         let (fault, reason) = self.faults.first()?.as_ref()?;
-        let simulation = |code: &str| blame(code) == Blame::Simulation;
+        let simulation = |code: FaultCode| code.blame() == Blame::Simulation;
         // In whichever way the simulation fails: no planner can mend it.
-        let same = |code: &str| code == fault || (simulation(code) && simulation(fault));
-        let alike = |f: &&Option<(String, String)>| f.as_ref().is_some_and(|(code, _)| same(code));
+        let same = |code: FaultCode| code == *fault || (simulation(code) && simulation(*fault));
+        let alike = |f: &&Option<(FaultCode, String)>| f.as_ref().is_some_and(|(code, _)| same(*code));
         let tasks = self.faults.iter().take_while(alike).count();
-        let enough = if fault == FaultCode::Hung.name() { HUNG_STARTS } else { FAILED_STARTS };
-        (tasks >= enough).then(|| FailedStart { tasks, fault: fault.clone(), reason: reason.clone() })
+        let enough = if *fault == FaultCode::Hung { HUNG_STARTS } else { FAILED_STARTS };
+        (tasks >= enough).then(|| FailedStart { tasks, fault: *fault, reason: reason.clone() })
     }
 
     pub(crate) fn found(self) -> Option<FailedStart> {
@@ -96,18 +96,13 @@ impl FailFast {
 
 /// The code of a fault that leaves no hope for the next tasks if each of the first has it: of the planner in `init` or in the
 /// first step, or of the simulation at any time.
-fn hopeless_fault(record: &TaskRecord) -> Option<&str> {
+fn hopeless_fault(record: &TaskRecord) -> Option<FaultCode> {
     let hopeless = match record.outcome {
         Outcome::PlannerError => record.planner_steps <= 1,
         Outcome::SimError => true,
         _ => false,
     };
-    record.fault.as_deref().filter(|_| hopeless)
-}
-
-/// The part that a fault's code blames. Codes in records are those of [`FaultCode`].
-fn blame(code: &str) -> Blame {
-    FaultCode::ALL.iter().find(|c| c.name() == code).map_or(Blame::Host, |c| c.blame())
+    record.fault.filter(|_| hopeless)
 }
 
 #[cfg(test)]
@@ -130,7 +125,7 @@ mod tests {
             reason: "its own words".into(),
             cause: None,
             evidence: String::new(),
-            fault: Some(fault.name().into()),
+            fault: Some(fault),
             time_s: 0.0,
             state_hash: String::new(),
             sim_steps: 0,
@@ -164,7 +159,7 @@ mod tests {
             watch.ended(place, &record);
         });
         let reason = "its own words".into();
-        let fault = "planner/init-failed".into();
+        let fault = FaultCode::InitFailed;
         assert_eq!(watch.found(), Some(FailedStart { tasks: FAILED_STARTS, fault, reason }));
     }
 

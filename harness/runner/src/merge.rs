@@ -9,7 +9,6 @@ use vb_world::{Selector, SelectorError, Suite};
 
 /// An error of a merge. Nothing was written then.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MergeError {
     /// A run can't be read, or the new one not be written.
     #[error(transparent)]

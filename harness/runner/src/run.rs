@@ -6,39 +6,20 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
-use vb_host::{Limits, Metadata, Plugin};
+use vb_host::{Metadata, Plugin};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
     ShardHeader, SuiteHeader, TraceMode,
 };
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sense::Profile;
-use vb_sim::{SimOptions, SoilSet};
-use vb_vehicle::VehicleSpec;
+use vb_sim::{SAMPLE_PERIOD, SimOptions, Soils};
+use vb_trial::{Keep, Place, Setting, TrialError, TrialResult, Wants};
+use vb_vehicle::Vehicle;
 use vb_world::{Suite, SuiteError, TaskRef};
 
 use crate::fail_fast::{FailFast, FailedStart};
-use crate::{Keep, Place, PluginDriver, RunError, SAMPLE_PERIOD, Setting, TrialResult, Wants};
-
-/// A vehicle and the hash of its description, by which runs are told apart.
-#[derive(Clone, Debug)]
-pub struct Vehicle {
-    /// The vehicle's data.
-    pub spec: VehicleSpec,
-    /// The SHA-256 of the vehicle's file (hex).
-    pub hash: String,
-}
-
-/// A set of soils and the hash of its file, by which runs are told apart.
-#[derive(Clone, Debug)]
-pub struct Soils {
-    /// The soils' data.
-    pub set: SoilSet,
-    /// The SHA-256 of the soils' file (hex).
-    pub hash: String,
-    /// The side of the cells in which soil remembers ruts, at scale 1, m.
-    pub resolution: f64,
-}
+use crate::{PluginDriver, RunError, wants};
 
 /// The configuration of a run: everything that decides its results, and how it is made.
 #[derive(Clone, Debug)]
@@ -154,7 +135,7 @@ pub fn run(
     }
     on_event(Event::Started { total: config.tasks.len(), resumed: records.clone() });
     let done: BTreeSet<&str> = records.iter().map(|r| r.task.as_str()).collect();
-    let is_open = |t: &&TaskRef| !done.contains(format!("{}/{}", t.world, t.task).as_str());
+    let is_open = |t: &&TaskRef| !done.contains(t.to_string().as_str());
     let open: Vec<TaskRef> = config.tasks.iter().filter(is_open).cloned().collect();
 
     let work = Arc::new(Work {
@@ -173,7 +154,7 @@ pub fn run(
     for _ in 0..config.jobs.clamp(1, work.open.len().max(1)) {
         let (sender, work) = (sender.clone(), Arc::clone(&work));
         // The WASM code runs on the thread's own stack.
-        let stack = config.plugin.limits().stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
+        let stack = config.plugin.limits().thread_stack_bytes();
         let thread = std::thread::Builder::new().stack_size(stack);
         let stop = Arc::clone(&work);
         match thread.spawn(move || work.work(&sender)) {
@@ -276,7 +257,7 @@ fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
     let params = config.plugin.params(&config.params)?;
     let (step, scale, seed) = (config.time_step, config.scale, config.seed);
     let setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
-    Ok(Prepared { setting, wants: Wants::of(&config.plugin, perception, params) })
+    Ok(Prepared { setting, wants: wants(&config.plugin, perception, params) })
 }
 
 /// Checks whether a planner can drive under a profile.
@@ -286,7 +267,8 @@ fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
 pub fn check_perception(plugin: &Plugin, profile: &Profile) -> Result<(), RunError> {
     let metadata = plugin.metadata();
     vb_sense::check_needs(profile, &profile.sensors_of(metadata))
-        .map_err(|source| RunError::Perception { planner: metadata.name.clone(), source })
+        .map_err(|source| TrialError::Perception { planner: metadata.name.clone(), source })?;
+    Ok(())
 }
 
 /// Checks whether a planner's control period is a whole number of steps of the simulation, each `step` seconds long.
@@ -383,7 +365,7 @@ impl Work {
         while !self.stop.load(Ordering::Relaxed) && !self.cancel.load(Ordering::Relaxed) {
             let place = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(task) = self.open.get(place) else { return };
-            let name = format!("{}/{}", task.world, task.task);
+            let name = task.to_string();
             // The receiver outlives the workers; if it is gone, so is the run.
             if sender.send(Message::Started(name)).is_err() {
                 return;
@@ -422,7 +404,7 @@ impl Work {
         let Prepared { setting, wants } = &self.prepared;
         let mut driver = PluginDriver::new(&self.config.plugin);
         let keep = Keep { trace: self.config.trace, logs: self.config.logs };
-        setting.drive(&place, task, wants, &mut driver, &mut (), keep, &self.cancel)
+        Ok(setting.drive(&place, task, wants, &mut driver, &mut (), keep, &self.cancel)?)
     }
 
     fn place(&self, id: &str) -> Result<Place, SuiteError> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize};
+use vb_sdk::fault::FaultCode;
 
 use crate::measures::{MOST, measures, outside};
 use vb_world::{Density, Elevation, Terrain};
@@ -127,7 +128,7 @@ pub struct TaskRecord {
     pub evidence: String,
     /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fault: Option<String>,
+    pub fault: Option<FaultCode>,
     /// The simulated time at the end of the task, s.
     #[serde(deserialize_with = "time")]
     pub time_s: f64,

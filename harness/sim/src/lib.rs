@@ -26,7 +26,7 @@ pub use dynamics::WheelStand;
 pub use error::SimError;
 pub use powertrain::DriveState;
 pub use simulation::{Diagnostics, SimOptions, Simulation, Start};
-pub use soil::SoilSet;
+pub use soil::{SoilSet, Soils};
 pub use state::{Controls, Gear, VehicleState, WheelState};
 pub use state_hash::{SAMPLE_PERIOD, StateHash};
 

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, TraceMode};
-use vb_runner::{SAMPLE_PERIOD, Soils, Vehicle};
 use vb_score::{Outcome, Summary, TaskRecord};
 use vb_sense::Profile;
+use vb_sim::{SAMPLE_PERIOD, Soils};
+use vb_vehicle::Vehicle;
 use vb_world::{Selector, Suite, WorldInfo};
 
 use crate::SubmissionError;

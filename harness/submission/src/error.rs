@@ -11,7 +11,6 @@ use vb_runner::RunError;
 /// The reason why a submission or a site can't be made or read. If a submission tells what isn't so, this is not an
 /// error but a [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SubmissionError {
     /// The operating system refused an operation on a file that is read.
     #[error("cannot read {}: {source} (is the path right?)", .path.display())]

@@ -48,7 +48,7 @@ impl Entrant {
                 return fail("holds a control character (give one line)".into());
             }
             // Two names that look alike, or one that turns the text around it, would mislead whoever reads a board.
-            if vb_host::printable(text) != text {
+            if vb_files::printable(text) != text {
                 return fail(
                     "holds a character that can't be seen, or that turns the direction of writing".into(),
                 );

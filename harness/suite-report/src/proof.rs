@@ -16,7 +16,6 @@ const FILE: &str = "proof.json";
 
 /// The reason why a proof is of no use.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ProofError {
     /// The file can't be read or written.
     #[error("{}: {source}", path.display())]

@@ -5,11 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
-use vb_host::{LogSink, PlannerFault};
 use vb_record::Sample;
-use vb_runner::{Driver, Witness};
 use vb_sdk::{Command, Gear, Observation, Task};
 use vb_sim::{Simulation, VehicleState};
+use vb_trial::{Driver, DriverFault, Log, Witness};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 
 use crate::server::Motion;
@@ -64,13 +63,13 @@ impl Driver for PersonDriver {
         "person".to_owned()
     }
 
-    fn start(&mut self, _: &Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, _: &Task, _: Log) -> Result<(), DriverFault> {
         self.wheel.set(Command { gear: Gear::Forward, ..Command::default() });
         self.begun = Some(now());
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         if let Some(begun) = self.begun
             && !self.gone.load(Ordering::Relaxed)
         {
@@ -155,7 +154,7 @@ mod tests {
     fn a_person_drives_in_real_time_and_is_not_waited_for_once_gone() {
         let gone = Arc::new(AtomicBool::new(false));
         let mut driver = PersonDriver::new(Wheel::default(), Arc::clone(&gone));
-        driver.start(&Task::default(), LogSink::discard()).unwrap();
+        driver.start(&Task::default(), Box::new(|_, _| {})).unwrap();
         let begun = now();
         let at = |time: f64| Observation { time, ..Observation::default() };
         driver.step(&at(0.2)).unwrap();

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 /// An error of a validation. A check that fails is none: it is a result.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ValidateError {
     /// A file of references can't be read.
     #[error("{}: {reason}", path.display())]

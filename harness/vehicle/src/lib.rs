@@ -22,7 +22,7 @@ mod vehicle;
 pub use error::VehicleError;
 pub use model::{MAX_WHEELS, VehicleModel};
 pub use tyre::TyreSpec;
-pub use vehicle::{Axle, Chassis, Point, VehicleSpec};
+pub use vehicle::{Axle, Chassis, Point, Vehicle, VehicleSpec};
 
 type V3 = nalgebra::Vector3<f64>;
 

@@ -12,6 +12,15 @@ use crate::tyre::TyreSpec;
 /// A point in the chassis frame, or relative to an axle's reference point, in chassis axes, m.
 pub type Point = [f64; 3];
 
+/// A vehicle and the hash of its file, by which runs are told apart.
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    /// The vehicle's data.
+    pub spec: VehicleSpec,
+    /// SHA-256 of the vehicle's file (hex).
+    pub hash: String,
+}
+
 /// A vehicle on wheels or tracks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

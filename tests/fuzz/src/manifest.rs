@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use vb_host::LoadError;
-use vb_runner::{Soils, Vehicle};
 use vb_sense::Profile;
-use vb_sim::SoilSet;
+use vb_sim::{SoilSet, Soils};
 use vb_submission::{Expected, Sampling, Shipped, Submission, verify};
-use vb_vehicle::VehicleSpec;
+use vb_vehicle::{Vehicle, VehicleSpec};
 use vb_world::{Heightfield, Provenance, Suite, SuiteMeta, TerrainClass, World};
 
 use crate::site::Site;

@@ -76,12 +76,12 @@ fn vehicle(args: &Args) -> Result<vb_sdk::Vehicle, TrainError> {
     let spec =
         vb_vehicle::VehicleSpec::parse(&text, &args.vehicle.display().to_string()).map_err(|e| wrong(&e))?;
     let scale = spec.scale;
-    let own = vb_runner::Vehicle { spec, hash: String::new() };
-    let soils = vb_runner::Soils { set: vb_sim::SoilSet::default(), hash: String::new(), resolution: 0.1 };
+    let own = vb_vehicle::Vehicle { spec, hash: String::new() };
+    let soils = vb_sim::Soils { set: vb_sim::SoilSet::default(), hash: String::new(), resolution: 0.1 };
     let rules = vb_score::Rules::resolve("exploration").map_err(|e| wrong(&e))?;
     let oracle = vb_sense::Profile::oracle();
     let setting =
-        vb_runner::Setting::new(&own, &soils, &rules, &oracle, 0.001, scale, 0).map_err(|e| wrong(&e))?;
+        vb_trial::Setting::new(&own, &soils, &rules, &oracle, 0.001, scale, 0).map_err(|e| wrong(&e))?;
     Ok(setting.vehicle)
 }
 

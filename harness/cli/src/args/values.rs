@@ -81,7 +81,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 pub(super) fn time_step(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().map(|ms| 1e-3 * ms);
     value
-        .filter(|seconds| vb_runner::is_time_step(*seconds))
+        .filter(|seconds| vb_trial::is_time_step(*seconds))
         .ok_or_else(|| "want milliseconds from 0.1 to 5 that divide 10, e.g. 0.5".into())
 }
 

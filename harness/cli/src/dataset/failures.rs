@@ -6,9 +6,10 @@ use serde_json::json;
 use vb_dataset::{
     DATASET_SCHEMA, Dataset, DatasetWriter, Header, Kind, LICENCE, Layout, Making, PlannerHeader, keep_apart,
 };
+use vb_host::Limits;
 use vb_record::{NewFolder, RunHeader, RunReader};
-use vb_runner::Setting;
 use vb_score::{Outcome, Rules, TaskRecord};
+use vb_trial::Setting;
 use vb_world::Suite;
 
 use super::{Told, Total, failure, finish, named, scene};
@@ -108,7 +109,8 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     let mut writer = begin(args, own, &suite, frames)?;
     let cancel = run::stop_on_ctrl_c()?;
     let jobs = args.jobs.get();
-    let making = Making { setting: &setting, worlds: &suite, hz: HZ, jobs, cancel: &cancel };
+    let stack_bytes = Limits::default().thread_stack_bytes();
+    let making = Making { setting: &setting, worlds: &suite, hz: HZ, jobs, stack_bytes, cancel: &cancel };
     let mut told = Told::new(args.format.get(), Total::Drives(records.len()), HZ);
     let done = making
         .failures_again(&mut writer, &reader, &records, args.seconds, &mut |p| told.progress(p))
@@ -163,5 +165,5 @@ fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError>
     let rules =
         Rules::recorded(header).map_err(|e| CliError::input(format!("{}: rules: {e}", args.of.display())))?;
     Setting::new(&vehicle, &soils, &rules, &perception, header.time_step, header.scale, header.seed)
-        .map_err(run::run_error)
+        .map_err(|e| run::run_error(e.into()))
 }

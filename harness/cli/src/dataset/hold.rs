@@ -29,7 +29,7 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
         }
         MessageFormat::Human => {
             for finding in &findings {
-                output::text(&format!("{}\n", vb_host::one_line(finding)));
+                output::text(&format!("{}\n", vb_files::one_line(finding)));
             }
         }
     }

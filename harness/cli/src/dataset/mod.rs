@@ -10,11 +10,12 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_dataset::{
-    Amount, DatasetError, DatasetWriter, Exploration, Finished, Header, Kept, Kind, PlannerHeader, Progress,
+    Amount, DatasetError, DatasetWriter, Exploration, Finished, Header, Kept, Kind, Planner, PlannerHeader,
+    Progress,
 };
 use vb_host::{Limits, Plugin};
 use vb_record::DataHeader;
-use vb_runner::{Wants, check_control_period, check_perception};
+use vb_runner::{PluginDriver, check_control_period, check_perception, wants};
 use vb_score::Rules;
 
 use crate::args::{DatasetCommand, DatasetDriveArgs, ExploreArgs, Keeping, MessageFormat};
@@ -82,10 +83,11 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
     let scene = Scene::new(&args.scene, rules)?;
     let tasks = suite::select(&scene.worlds, args.tasks.as_deref())?;
     let limits = Limits::default();
-    let mut planners: Vec<(Plugin, Wants)> = Vec::new();
+    let mut plugins: Vec<Plugin> = Vec::new();
+    let mut asked = Vec::new();
     for wanted in &args.plugin {
         let plugin = planner::load(wanted, &limits, false).map_err(|e| planner::unusable(&e))?;
-        if planners.iter().any(|(known, _)| known.sha256() == plugin.sha256()) {
+        if plugins.iter().any(|known| known.sha256() == plugin.sha256()) {
             return Err(CliError::usage(format!(
                 "--plugin {}: this planner is there twice, and all that it drives would be, too (name it once)",
                 wanted.display()
@@ -95,10 +97,13 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
         check_control_period(metadata, setting.options.step).map_err(run::run_error)?;
         check_perception(&plugin, &setting.perception).map_err(run::run_error)?;
         let params = plugin.params(&args.params).map_err(CliError::usage)?;
-        let wants = Wants::of(&plugin, &setting.perception, params);
-        planners.push((plugin, wants));
+        asked.push(wants(&plugin, &setting.perception, params));
+        plugins.push(plugin);
     }
-    let named = |(plugin, _): &(Plugin, Wants)| PlannerHeader {
+    let planner =
+        |(plugin, wants)| Planner { wants, driver: Box::new(move || Box::new(PluginDriver::new(plugin))) };
+    let planners: Vec<_> = plugins.iter().zip(asked).map(planner).collect();
+    let named = |plugin: &Plugin| PlannerHeader {
         name: plugin.metadata().name.clone(),
         version: plugin.metadata().version.clone(),
         sha256: plugin.sha256().to_owned(),
@@ -106,7 +111,7 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
     };
     let layout = scene.layout(false, true);
     let header =
-        Header { planners: planners.iter().map(named).collect(), ..scene.header(Kind::Drive, layout) };
+        Header { planners: plugins.iter().map(named).collect(), ..scene.header(Kind::Drive, layout) };
     let kept = match args.keep {
         Keeping::All => Kept::All,
         Keeping::Success => Kept::Success,

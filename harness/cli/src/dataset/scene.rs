@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use vb_dataset::{DATASET_SCHEMA, DatasetWriter, Header, Kind, LICENCE, Layout, Making, keep_apart};
+use vb_host::Limits;
 use vb_record::DataHeader;
-use vb_runner::Setting;
 use vb_score::Rules;
+use vb_trial::Setting;
 use vb_world::Suite;
 
 use super::{failure, named};
@@ -54,7 +55,7 @@ impl<'a> Scene<'a> {
         keep_apart(&worlds, &others).map_err(|e| failure(&e))?;
         let scale = args.scale.unwrap_or(vehicle.spec.scale);
         let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, args.seed)
-            .map_err(run::run_error)?;
+            .map_err(|e| run::run_error(e.into()))?;
         Ok(Self {
             args,
             worlds,
@@ -110,7 +111,8 @@ impl<'a> Scene<'a> {
 
     pub(super) fn making(&self, cancel: &'a AtomicBool) -> Making<'_> {
         let jobs = self.args.jobs.get();
-        Making { setting: &self.setting, worlds: &self.worlds, hz: self.args.hz, jobs, cancel }
+        let stack_bytes = Limits::default().thread_stack_bytes();
+        Making { setting: &self.setting, worlds: &self.worlds, hz: self.args.hz, jobs, stack_bytes, cancel }
     }
 }
 

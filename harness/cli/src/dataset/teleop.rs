@@ -7,10 +7,10 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::json;
 use vb_dataset::{DatasetWriter, ENDED, Kind, Making};
-use vb_runner::Wants;
 use vb_score::Rules;
 use vb_sdk::metadata::Need;
 use vb_teleop::{Ask, CONTROL_PERIOD, Live, PersonDriver, Server, Wheel};
+use vb_trial::Wants;
 use vb_world::TaskRef;
 
 use super::scene::Scene;

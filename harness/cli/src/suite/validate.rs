@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use serde::Serialize;
-use vb_runner::static_shape;
 use vb_sim::SimOptions;
 use vb_suite_report::validate::{Finding, Limits, Severity, Vehicle};
+use vb_trial::static_shape;
 use vb_vehicle::VehicleModel;
 
 use crate::args::ValidateArgs;

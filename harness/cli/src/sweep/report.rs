@@ -61,7 +61,7 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
     if args.format.is_json() {
         output::json(&Message::SweepReport { runs: told.rows().len(), missing: &missing, files: &files });
     } else {
-        output::text(&vb_host::printable(&told.table(output::width())));
+        output::text(&vb_files::printable(&told.table(output::width())));
         told.headlines().iter().for_each(|line| output::note(line));
         files.iter().for_each(|file| output::note(&format!("wrote {}", file.display())));
     }

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use vb_runner::{StaticShape, static_shape};
 use vb_sim::{
     SimError, SimOptions, Simulation, SoilSet, VehicleState,
     track::{Course, Disc},
 };
+use vb_trial::{StaticShape, static_shape};
 use vb_vehicle::{VehicleModel, VehicleSpec, kinematics::Side};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
 

@@ -1,7 +1,7 @@
 //! What a vehicle is made of, as a table and for programs.
 
 use serde::Serialize;
-use vb_runner::planner_vehicle;
+use vb_trial::planner_vehicle;
 use vb_validate::{Characteristics, Ride, number};
 use vb_vehicle::{
     powertrain::{Converter, Engine},

@@ -8,12 +8,11 @@ pub use rules::{Exploration, ExplorationError, ReverseDraws, SpeedDraws, StartDr
 
 use std::f64::consts::TAU;
 
-use vb_host::{LogSink, PlannerFault};
 use vb_math::rng::Stream;
 use vb_math::{exp, ln, sin};
-use vb_runner::Driver;
 use vb_sdk::speed::SpeedKeeper;
 use vb_sdk::{Command, Observation, Series, Task};
+use vb_trial::{Driver, DriverFault, Log};
 
 use crate::episode::SPEED_SERIES;
 
@@ -95,14 +94,14 @@ impl Driver for Explorer<'_> {
         format!("exploration {}", self.rules.name)
     }
 
-    fn start(&mut self, brief: &Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, brief: &Task, _: Log) -> Result<(), DriverFault> {
         self.pace = brief.vehicle.scale.sqrt();
         self.period = brief.control_period;
         self.keeper = SpeedKeeper::new(brief.vehicle.scale);
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         let time = observation.time;
         while self.steering.0 <= time {
             self.draw_wave();

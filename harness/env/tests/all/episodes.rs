@@ -3,11 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use vb_env::{Env, EnvError, Options, Reset, TERMS};
-use vb_host::{LogSink, PlannerFault};
-use vb_runner::{Driver, Keep, Place, Wants};
 use vb_score::Outcome;
 use vb_sdk::policy::{ActionKind, Actuator, Layout, Observer, Row, Sight};
 use vb_sdk::{Command, Observation, Task};
+use vb_trial::{Driver, DriverFault, Keep, Log, Place, Wants};
 
 use crate::common::{arena, drive, on, options, part, pursue};
 
@@ -22,7 +21,7 @@ impl Driver for Planner {
         "the policy".into()
     }
 
-    fn start(&mut self, brief: &Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, brief: &Task, _: Log) -> Result<(), DriverFault> {
         let layout = Layout::new(&["path"], Sight::default(), brief).expect("a layout");
         let observer = Observer::new(brief, &layout).expect("an observer");
         let actuator = Actuator::new(ActionKind::default(), brief);
@@ -30,7 +29,7 @@ impl Driver for Planner {
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         let (task, layout, observer, actuator) = self.parts.as_mut().expect("a trial starts its driver");
         observer.look(observation);
         let mut path = vec![0.0; 20];
@@ -80,7 +79,7 @@ fn a_policy_has_the_same_record_here_as_in_the_benchmark() {
             env.reset(&on(task)).unwrap();
             drive(&mut env, usize::MAX).unwrap();
             let (world, id) = task.split_once('/').unwrap();
-            let mut setting = vb_runner::Setting::new(
+            let mut setting = vb_trial::Setting::new(
                 &crate::common::catalog().vehicle("hmmwv").unwrap(),
                 &crate::common::catalog().soils("default", 0.1).unwrap(),
                 &arena.setting().rules,

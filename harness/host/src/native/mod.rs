@@ -24,9 +24,9 @@ use crate::fault::{FaultCause, ProcessEnd};
 use crate::log::Log;
 use crate::process::{End, Process, Trouble};
 use crate::system::{self, Role};
-use crate::text::one_line;
 use crate::wasm::compile;
 use crate::{Limits, LoadError, LogSink};
+use vb_files::one_line;
 
 /// The argument that makes the worker of a program that is a worker among other things.
 const WORKER_ARGUMENT: &str = "__worker";

@@ -21,8 +21,8 @@ use crate::inspect::{Format, PluginFile};
 use crate::log::Log;
 use crate::process::{Process, Trouble};
 use crate::system::{self, Role};
-use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
+use vb_files::one_line;
 
 /// The argument that makes the compiler of a program that is one among other things.
 pub(crate) const ARGUMENT: &str = "__compile";

@@ -23,8 +23,8 @@ use wasmtime::component::{Component, Linker};
 use crate::abi::AbiVersion;
 use crate::fault::FaultCause;
 use crate::inspect::PluginFile;
-use crate::text::one_line;
 use crate::{Limits, LoadError, LogSink};
+use vb_files::one_line;
 
 use compile::Refusal;
 use interface::Pre;

@@ -11,8 +11,8 @@ use super::{engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};
 use crate::log::Log;
-use crate::text::one_line;
 use crate::{FuelMeter, Limits, LogSink};
+use vb_files::one_line;
 
 /// Fuel for a call of the host beside one unit a byte: about what a log line costs the harness.
 const CALL_FUEL: u64 = 1000;

@@ -70,7 +70,7 @@ fn drive(plugin: &Plugin, params: &[(&str, &str)]) -> Vec<Command> {
                 ..Pose::default()
             })
         };
-        let (command, _) = vb_host::clamp(session.step(&observation).unwrap());
+        let (command, _) = session.step(&observation).unwrap().clamped();
         speed += 0.1 * (4.0 * command.throttle - 6.0 * command.brake - 0.1 * speed);
         yaw += 0.1 * speed / 3.3 * math::tan(0.6 * command.steering);
         x += 0.1 * speed * math::cos(yaw);

@@ -297,7 +297,7 @@ fn commands_that_are_wild_but_finite_are_clamped_and_no_fault() {
         );
         let mut session =
             common::plugin(wasm::OK, &step, &limits()).start(&task(), LogSink::discard()).unwrap();
-        let (command, changed) = vb_host::clamp(session.step(&observation()).unwrap());
+        let (command, changed) = session.step(&observation()).unwrap().clamped();
         assert_eq!([command.steering, command.throttle, command.brake], clamped);
         assert_eq!(changed, given != clamped);
     }

@@ -9,8 +9,10 @@ use vb_sdk::Param;
 use vb_sense::Profile;
 
 use super::{Kit, KitError};
+use vb_trial::{Keep, Place, Setting, Wants};
+
 use crate::run::{check_control_period, check_perception};
-use crate::{Keep, Place, PluginDriver, RunError, Setting, Wants};
+use crate::{PluginDriver, RunError, wants};
 
 /// How many tasks are driven at most.
 const TASKS: usize = 3;
@@ -52,7 +54,7 @@ impl Course {
     }
 
     fn wants(&self, plugin: &Plugin, params: &[Param]) -> Wants {
-        Wants::of(plugin, &self.setting.perception, params.to_vec())
+        wants(plugin, &self.setting.perception, params.to_vec())
     }
 
     /// What a planner is told of a task; where there are fewer, of the last.
@@ -63,7 +65,7 @@ impl Course {
         params: &[Param],
     ) -> Result<vb_sdk::Task, RunError> {
         let (place, task) = &self.tasks[task.min(self.tasks.len() - 1)];
-        self.setting.brief(place, task, &self.wants(plugin, params)).map(|(_, brief)| brief)
+        Ok(self.setting.brief(place, task, &self.wants(plugin, params))?.1)
     }
 
     /// Drives a task to its end; where there are fewer, the last.
@@ -77,7 +79,10 @@ impl Course {
         let (place, task) = &self.tasks[task.min(self.tasks.len() - 1)];
         let (wants, mut driver) = (self.wants(plugin, params), PluginDriver::new(plugin));
         let keep = Keep { trace: TraceMode::None, logs: LogMode::default() };
-        let driven = self.setting.drive(place, task, &wants, &mut driver, &mut (), keep, cancel)?;
+        let driven = self
+            .setting
+            .drive(place, task, &wants, &mut driver, &mut (), keep, cancel)
+            .map_err(RunError::from)?;
         let record = driven.ok_or(KitError::Cancelled)?.record;
         match record.outcome {
             Outcome::HostError => Err(KitError::Host(record.reason)),

@@ -1,6 +1,7 @@
 //! `determinism`: the same task twice, each with a plugin loaded anew, gives the same bits.
 
 use vb_score::{Outcome, TaskRecord};
+use vb_sdk::fault::FaultCode;
 
 use super::report::Check;
 
@@ -35,7 +36,7 @@ pub(super) fn difference(a: &TaskRecord, b: &TaskRecord) -> Option<String> {
         let fuel = r.fuel.map_or_else(|| "none".to_owned(), |f| f.total.to_string());
         [
             ("outcome", r.outcome.name().to_owned()),
-            ("fault", r.fault.clone().unwrap_or_else(|| "none".into())),
+            ("fault", r.fault.map_or("none", FaultCode::name).to_owned()),
             ("planner steps", r.planner_steps.to_string()),
             ("clamped commands", r.clamped.to_string()),
             ("state hash", r.state_hash.clone()),
@@ -64,7 +65,7 @@ mod tests {
         assert_eq!(check(&after(2), &after(2)).verdict, Verdict::Pass);
         let once = after(1);
         // Faults that differ are seen all the same.
-        let other = TaskRecord { fault: Some("planner/panic".into()), ..once.clone() };
+        let other = TaskRecord { fault: Some(FaultCode::Panic), ..once.clone() };
         assert_eq!(check(&once, &other).verdict, Verdict::Fail);
     }
 

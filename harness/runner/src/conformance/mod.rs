@@ -21,11 +21,13 @@ use std::sync::atomic::AtomicBool;
 
 use vb_host::{Blame, Limits, LoadError, ParamError, Plugin};
 use vb_score::Rules;
+use vb_sim::Soils;
+use vb_vehicle::Vehicle;
 use vb_world::{Suite, TaskRef};
 
 pub use report::{Check, Report, Verdict};
 
-use crate::{RunError, Soils, Vehicle};
+use crate::RunError;
 use course::Course;
 
 /// The things that are checked, and the tasks on which they are.
@@ -52,7 +54,6 @@ pub struct Kit<'a> {
 
 /// The reason why the checks couldn't be made. What the planner does wrong is none of this.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum KitError {
     /// The plugin doesn't exist, or the machine refuses what loading it needs.
     #[error("{} ({})", .0, .0.code())]
@@ -81,7 +82,7 @@ pub fn check(
     cancel: &AtomicBool,
 ) -> Result<Report, KitError> {
     // The WASM code runs on the thread's own stack.
-    let stack = kit.limits.stack_bytes + 2 * Limits::THREAD_STACK_BYTES;
+    let stack = kit.limits.thread_stack_bytes();
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(stack);
         let work = thread

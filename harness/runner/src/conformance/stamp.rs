@@ -1,6 +1,7 @@
 //! `stamp`: what the plugin says of itself, readable without running it, is of use to the harness and its users.
 
-use vb_host::{AbiVersion, Metadata, Plugin, one_line};
+use vb_files::one_line;
+use vb_host::{AbiVersion, Metadata, Plugin};
 use vb_sdk::metadata::is_name;
 
 use super::report::Check;

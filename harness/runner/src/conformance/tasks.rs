@@ -1,6 +1,7 @@
 //! `tasks`: the planner drives every task to a verdict. How well is not judged.
 
 use vb_score::{Outcome, TaskRecord};
+use vb_sdk::fault::FaultCode;
 
 use super::report::Check;
 
@@ -9,7 +10,7 @@ const NAME: &str = "tasks";
 pub(super) fn check(driven: &[TaskRecord]) -> Check {
     let of = |r: &TaskRecord| format!("{} {}", r.task, r.outcome.name());
     if let Some(r) = driven.iter().find(|r| r.outcome == Outcome::PlannerError) {
-        let code = r.fault.as_deref().unwrap_or_default();
+        let code = r.fault.map_or("no code", FaultCode::name);
         return Check::fail(
             NAME,
             format!("{}: {} ({code})", r.task, r.reason),

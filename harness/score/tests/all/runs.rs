@@ -16,6 +16,7 @@ use vb_score::{
     Conditions, Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry,
     TaskRecord, TaskScore, ThreeWay, rescore,
 };
+use vb_sdk::fault::FaultCode;
 use vb_world::{Density, Elevation, Terrain};
 
 fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
@@ -73,7 +74,7 @@ fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
         reason: score.reason,
         cause: None,
         evidence: String::new(),
-        fault: (score.outcome == Outcome::PlannerError).then(|| "planner/out-of-fuel".into()),
+        fault: (score.outcome == Outcome::PlannerError).then_some(FaultCode::OutOfFuel),
         time_s: score.time_s,
         state_hash: "0123456789abcdef".into(),
         sim_steps: 1000,
@@ -210,7 +211,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     assert_eq!(again.summary.undecided, ["w/a"]);
     let outcomes: Vec<_> = again.records.iter().map(|r| (r.task.as_str(), r.outcome)).collect();
     assert_eq!(outcomes, [("w/b", Outcome::Stuck), ("w/c", Outcome::Stuck), ("w/d", Outcome::PlannerError)]);
-    assert_eq!(again.records[2].fault.as_deref(), Some("planner/out-of-fuel"));
+    assert_eq!(again.records[2].fault, Some(FaultCode::OutOfFuel));
     assert_eq!(again.records[0].state_hash, records[1].state_hash);
     // A trace doesn't hold what shock and ride are measured by: they stay only where the trial ends as it did.
     assert!(again.records[0].time_s < records[1].time_s && again.records[0].ride.is_none());
@@ -225,7 +226,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
     let wide = Rules::BUILTIN[0].1.replace("radius_m: 10.0", "radius_m: 110.0");
     let again = rescore(tmp.path(), &Rules::from_yaml("wide", &wide).unwrap()).unwrap();
     let d = &again.records[3];
-    assert_eq!((d.outcome, d.fault.as_ref()), (Outcome::Success, None));
+    assert_eq!((d.outcome, d.fault), (Outcome::Success, None));
     assert!((d.time_s - 2.5).abs() <= 0.01 + 1e-9, "{}", d.time_s);
     assert_eq!((d.ride, d.flags.get(&Flag::Strict)), (None, None), "how it landed by then is not known");
 }
@@ -392,7 +393,7 @@ fn what_the_host_failed_counts_for_nobody() {
     let mut failed = records[0].clone();
     failed.task = "w9/t9".into();
     failed.outcome = Outcome::HostError;
-    failed.fault = Some("host/machine".into());
+    failed.fault = Some(FaultCode::Machine);
     records.push(failed);
     let with = Summary::new(&header, &rules, &records, Vec::new());
     assert_eq!(with.host_errors, ["w9/t9"]);

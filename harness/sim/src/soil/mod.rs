@@ -22,6 +22,6 @@ pub(crate) use footprint::{Footprint, TRACK, WHEEL};
 pub(crate) use ground::{SoilGround, Under};
 pub use law::{Bulldozing, PressureDirection, SoilLaw};
 pub use rig::{WheelBehaviour, WheelRig};
-pub use set::{Classes, Levels, SoilSet};
+pub use set::{Classes, Levels, SoilSet, Soils};
 pub use sinkage::Sinkage;
 pub use slip::SlipSinkage;

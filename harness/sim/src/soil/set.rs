@@ -7,6 +7,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use vb_world::{SoilLevel, TerrainClass};
 
+/// A set of soils and the hash of its file, by which runs are told apart.
+#[derive(Clone, Debug)]
+pub struct Soils {
+    /// The soils' data.
+    pub set: SoilSet,
+    /// SHA-256 of the soils' file (hex).
+    pub hash: String,
+    /// Side of the cells in which soil remembers ruts, at scale 1, m.
+    pub resolution: f64,
+}
+
 /// Named soils, and which of them each deformable class is made of at each level. The default has no soils: rigid
 /// worlds need none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

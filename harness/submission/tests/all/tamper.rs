@@ -243,7 +243,7 @@ fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let other = |limits: &vb_host::Limits| vb_host::Plugin::load(&file, limits, None);
     let text = told(&b.verify_with("honest", None, &other, |_| {}));
     assert!(text.contains("the plugin's file was changed"), "{text}");
-    let vehicle = vb_runner::Vehicle { hash: "00".repeat(32), ..b.vehicle.clone() };
+    let vehicle = vb_vehicle::Vehicle { hash: "00".repeat(32), ..b.vehicle.clone() };
     let text = told(&b.verify_with("honest", None, &unloaded, |e| e.vehicle = Box::leak(Box::new(vehicle))));
     assert!(text.starts_with("vehicle: submission.json: run.vehicle.hash"), "{text}");
     // A run with more fuel is open, and one that hides it is found by the shares that its records tell.

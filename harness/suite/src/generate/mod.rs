@@ -41,7 +41,6 @@ use vb_world::{
 
 /// The reason why no suite was generated.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum GenerateError {
     /// The terrain model can't draw such a surface.
     #[error("{grid} or elevation: {source}")]

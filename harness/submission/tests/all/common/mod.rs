@@ -15,15 +15,15 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use vb_host::{Limits, LoadError, Plugin};
 use vb_record::{LogMode, RunHeader, TraceMode};
-use vb_runner::{RunConfig, Soils, Vehicle};
+use vb_runner::RunConfig;
 use vb_score::{Rules, Summary, TaskRecord};
 use vb_sense::Profile;
-use vb_sim::SoilSet;
+use vb_sim::{SoilSet, Soils};
 use vb_submission::{
     Entrant, Expected, Manifest, Request, Sampling, Shipped, ShippedSuite, ShippedVehicle, Submission,
     SubmissionError, Verification,
 };
-use vb_vehicle::VehicleSpec;
+use vb_vehicle::{Vehicle, VehicleSpec};
 use vb_world::{Heightfield, Pose2, Provenance, Suite, SuiteMeta, Task, TaskRef, TerrainClass, World};
 
 pub const VERSION: &str = "0.1.0";

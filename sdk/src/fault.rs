@@ -1,8 +1,7 @@
-//! The stable names of everything that can end a task or refuse a plugin, and who is to blame.
+//! Fault codes: stable names of everything that can end a task or refuse a plugin, and who is to blame.
 
 use std::fmt;
-
-use serde::Serialize;
+use std::str::FromStr;
 
 /// The part that is to blame for a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +16,8 @@ pub enum Blame {
 
 macro_rules! codes {
     ($($(#[$doc:meta])* $variant:ident = $name:literal, $blame:ident;)*) => {
-        /// The cause of a fault, as a name that stays the same from version to version; the table is in `docs/abi.md`.
+        /// The cause of a fault, by a name that is the same in all versions. `docs/abi.md` has the table. Records,
+        /// messages and serde have it as text.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         #[non_exhaustive]
         pub enum FaultCode {
@@ -110,9 +110,30 @@ impl fmt::Display for FaultCode {
     }
 }
 
-impl Serialize for FaultCode {
+impl FromStr for FaultCode {
+    type Err = String;
+
+    /// The code of this name.
+    ///
+    /// # Errors
+    /// Returns a message if there is no such code.
+    fn from_str(name: &str) -> Result<Self, String> {
+        let code = Self::ALL.iter().find(|code| code.name() == name);
+        code.copied().ok_or_else(|| format!("there is no fault code {name:?}"))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for FaultCode {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for FaultCode {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
     }
 }
 
@@ -122,7 +143,7 @@ mod tests {
 
     /// The first cells of the table under "Faults" in docs/abi.md.
     fn documented() -> Vec<&'static str> {
-        let text = include_str!("../../../docs/abi.md");
+        let text = include_str!("../../docs/abi.md");
         let table = text.lines().skip_while(|l| *l != "## Faults").skip_while(|l| !l.starts_with("| code"));
         table.skip(2).map_while(|l| l.strip_prefix("| `")?.split('`').next()).collect()
     }
@@ -131,6 +152,13 @@ mod tests {
     fn the_documented_codes_are_those_of_the_code() {
         let names: Vec<&str> = FaultCode::ALL.iter().map(|c| c.name()).collect();
         assert_eq!(documented(), names);
+    }
+
+    #[test]
+    fn a_code_is_read_back_from_its_name_and_another_name_is_refused() {
+        assert!(FaultCode::ALL.iter().all(|code| code.name().parse() == Ok(*code)));
+        let refused = "planner/asleep".parse::<FaultCode>();
+        assert_eq!(refused, Err("there is no fault code \"planner/asleep\"".to_owned()));
     }
 
     #[test]

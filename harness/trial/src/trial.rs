@@ -7,16 +7,15 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use vb_host::{Blame, FaultCode, LogSink};
 use vb_record::{DebugSeries, LogMode, TRACE_SCHEMA, Trace, TraceMeta, TraceMode};
 use vb_score::{Fault, FuelUse, Outcome, Rules, TaskGeometry, TaskRecord, TaskScore};
+use vb_sdk::fault::{Blame, FaultCode};
 use vb_sense::Perception;
-use vb_sim::{SimError, SimOptions, Simulation, SoilSet, Surroundings};
+use vb_sim::{SAMPLE_PERIOD, SimError, SimOptions, Simulation, SoilSet, Surroundings};
 use vb_vehicle::VehicleModel;
 use vb_world::{Task, World};
 
-use crate::SAMPLE_PERIOD;
-use crate::driver::{Driver, Metered, Witness};
+use crate::driver::{Driver, DriverFault, Fuel, Log, Witness};
 use crate::episode::{Episode, Ledger};
 
 /// Lines of a planner's log, the last ones, that are kept for the record of a task.
@@ -64,6 +63,14 @@ pub fn panic_text(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or_else(|| "no message".to_owned())
 }
 
+/// How a trial ends without a failure.
+enum End {
+    /// The rules have decided.
+    Decided,
+    /// It was cancelled before.
+    Cancelled,
+}
+
 /// Who ended a trial before a verdict, and why.
 struct Failure {
     fault: Fault,
@@ -73,10 +80,11 @@ struct Failure {
 }
 
 impl Failure {
-    /// What the planner did: who, where, what, and what to do about it.
-    fn session(trial: &Trial<'_>, driver: &dyn Driver, fault: &vb_host::PlannerFault) -> Self {
-        let reason = format!("{} on {}, {fault}; {}", driver.name(), trial.brief.id, fault.cause.hint());
-        Self { backtrace: fault.cause.backtrace().to_vec(), ..Self::new(fault.code(), reason) }
+    /// A driver's fault: who, where, what, and what to do about it.
+    fn driver(trial: &Trial<'_>, driver: &dyn Driver, fault: DriverFault) -> Self {
+        let DriverFault { code, message, hint, backtrace } = fault;
+        let reason = format!("{} on {}, {message}; {hint}", driver.name(), trial.brief.id);
+        Self { backtrace, ..Self::new(code, reason) }
     }
 
     fn new(code: FaultCode, reason: String) -> Self {
@@ -94,7 +102,7 @@ impl Failure {
 struct Trail {
     debug: DebugSeries,
     /// What the driver has used; none for drivers that aren't metered.
-    metered: Option<Metered>,
+    fuel: Option<Fuel>,
     /// Fuel for each step.
     fuel_steps: Vec<u64>,
     /// The last lines that it logged.
@@ -104,14 +112,14 @@ struct Trail {
 /// The name of a series as it is recorded: without what a terminal might act on or a reader can't see. One that is too long is not
 /// recorded, so it stays as it is.
 fn shown(name: &str) -> Cow<'_, str> {
-    if name.len() > DebugSeries::MAX_NAME { Cow::Borrowed(name) } else { vb_host::printable(name).into() }
+    if name.len() > DebugSeries::MAX_NAME { Cow::Borrowed(name) } else { vb_files::printable(name).into() }
 }
 
 impl Trail {
     /// Where the driver's log goes.
-    fn sink(&self) -> LogSink {
+    fn sink(&self) -> Log {
         let lines = Arc::clone(&self.log);
-        LogSink::new(move |level, text| {
+        Box::new(move |level, text| {
             if let Ok(mut lines) = lines.lock() {
                 if lines.len() == LOG_LINES {
                     lines.remove(0);
@@ -148,8 +156,8 @@ impl Trial<'_> {
             self.drive(episode, driver, witness, &mut trail, cancel)
         }));
         let failure = match end {
-            Ok(Ok(true)) => None,
-            Ok(Ok(false)) => return None,
+            Ok(Ok(End::Decided)) => None,
+            Ok(Ok(End::Cancelled)) => return None,
             Ok(Err(failure)) => Some(failure),
             Err(panic) => {
                 let text = panic_text(&*panic);
@@ -180,7 +188,7 @@ impl Trial<'_> {
     }
 
     fn result(&self, ledger: Ledger, failure: Option<Failure>, trail: Trail) -> TrialResult {
-        let fault = failure.as_ref().map(|f| f.code.name().to_owned());
+        let fault = failure.as_ref().map(|f| f.code);
         let backtrace = failure.as_ref().map(|f| f.backtrace.clone()).unwrap_or_default();
         let score: TaskScore = match failure {
             Some(f) => ledger.scorer.fail(f.fault, f.reason),
@@ -192,9 +200,9 @@ impl Trial<'_> {
         let diagnosis = ledger.recent.diagnose(&score, self.vehicle, self.world());
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
         let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
-        let fuel = trail.metered.map(|m| {
-            FuelUse::new(m.fuel.init, trail.fuel_steps, m.fuel_init, m.fuel_per_step, m.memory_bytes)
-        });
+        let fuel = trail
+            .fuel
+            .map(|f| FuelUse::new(f.init, trail.fuel_steps, f.init_limit, f.step_limit, f.memory_bytes));
         let world = self.world();
         let mut record = TaskRecord {
             task: self.brief.id.clone(),
@@ -238,7 +246,7 @@ impl Trial<'_> {
         TrialResult { record, trace, debug: trail.debug }
     }
 
-    /// Drives until the rules decide: true; or until `cancel` is set: false.
+    /// Drives until the rules decide or `cancel` is set.
     fn drive(
         &self,
         episode: &mut Episode,
@@ -246,22 +254,22 @@ impl Trial<'_> {
         witness: &mut dyn Witness,
         trail: &mut Trail,
         cancel: &AtomicBool,
-    ) -> Result<bool, Failure> {
+    ) -> Result<End, Failure> {
         let started = driver.start(self.brief, trail.sink());
-        started.map_err(|f| Failure::session(self, driver, &f))?;
-        trail.metered = driver.metered();
-        if episode.begin(witness) {
-            return Ok(true);
+        started.map_err(|f| Failure::driver(self, driver, f))?;
+        trail.fuel = driver.fuel();
+        if episode.begin(witness).is_break() {
+            return Ok(End::Decided);
         }
         loop {
             if cancel.load(Ordering::Relaxed) {
-                return Ok(false);
+                return Ok(End::Cancelled);
             }
             let observation = episode.observe();
             let given = driver.step(&observation);
-            trail.metered = driver.metered();
-            trail.fuel_steps.extend(trail.metered.map(|m| m.fuel.last_step));
-            let given = given.map_err(|f| Failure::session(self, driver, &f))?;
+            trail.fuel = driver.fuel();
+            trail.fuel_steps.extend(trail.fuel.map(|f| f.last_step));
+            let given = given.map_err(|f| Failure::driver(self, driver, f))?;
             let taken = episode.command(&given);
             witness.step(&episode.simulation().state(), &observation, &given, taken);
             if self.trace != TraceMode::None {
@@ -270,8 +278,8 @@ impl Trial<'_> {
                 }
             }
             let advanced = episode.advance(witness);
-            if advanced.map_err(|e| Failure::new(FaultCode::Diverged, e.to_string()))? {
-                return Ok(true);
+            if advanced.map_err(|e| Failure::new(FaultCode::Diverged, e.to_string()))?.is_break() {
+                return Ok(End::Decided);
             }
         }
     }

@@ -1,16 +1,18 @@
 //! A task while it is driven: what happens from one command to the next.
 
-use vb_host::clamp;
+use std::ops::ControlFlow::{self, Break, Continue};
+
 use vb_record::{Sample, TraceMode, TraceRecorder, WheelSample};
 use vb_score::{Scorer, TaskGeometry, Verdict};
 use vb_sdk::{Command, Observation};
 use vb_sense::{Perception, Readings, Truth};
-use vb_sim::{Controls, SimError, Simulation, VehicleState};
+use vb_sim::{Controls, SAMPLE_PERIOD, SimError, Simulation, StateHash, VehicleState};
 
+use crate::Trial;
 use crate::driver::Witness;
+use crate::gear::{planner_gear, simulated_gear};
 use crate::recent::Recent;
 use crate::ride::RideWatch;
-use crate::{SAMPLE_PERIOD, StateHash, Trial};
 
 /// What is gathered while a task is driven; it survives whatever ends the drive.
 #[derive(Clone)]
@@ -44,8 +46,8 @@ impl Ledger {
         }
     }
 
-    /// Takes a sample; true when there is a verdict.
-    fn push(&mut self, sim: &Simulation, state: &VehicleState, sample: &Sample) -> bool {
+    /// Takes a sample; breaks once there is a verdict.
+    fn push(&mut self, sim: &Simulation, state: &VehicleState, sample: &Sample) -> ControlFlow<()> {
         sim.visit_state(|x| self.hash.push(x));
         if self.trace != TraceMode::None {
             self.wheels.clear();
@@ -55,7 +57,7 @@ impl Ledger {
         }
         self.recent.push(state, sample);
         self.ride.sample(sim);
-        self.scorer.push(sample).is_some()
+        if self.scorer.push(sample).is_some() { Break(()) } else { Continue(()) }
     }
 }
 
@@ -91,8 +93,8 @@ impl Episode {
         }
     }
 
-    /// Takes the sample at the start; true if it decides already.
-    pub fn begin(&mut self, witness: &mut dyn Witness) -> bool {
+    /// Takes the sample at the start; breaks if it decides already.
+    pub fn begin(&mut self, witness: &mut dyn Witness) -> ControlFlow<()> {
         self.ledger.ride.begin(&self.sim);
         self.sample(witness)
     }
@@ -107,17 +109,17 @@ impl Episode {
     /// Takes a command, which holds until the next one; returns what is within range of it.
     pub fn command(&mut self, given: &Command) -> Controls {
         let own = Command { debug: Vec::new(), ..*given };
-        let (Command { steering, throttle, brake, gear, .. }, clamped) = clamp(own);
+        let (Command { steering, throttle, brake, gear, .. }, clamped) = own.clamped();
         self.ledger.clamped += u64::from(clamped);
-        self.controls = Controls { steering, throttle, brake, gear: asked_gear(gear) };
+        self.controls = Controls { steering, throttle, brake, gear: simulated_gear(gear) };
         self.controls
     }
 
-    /// Drives until the next command is due, or there is a verdict: true.
+    /// Drives until the next command is due; breaks once there is a verdict.
     ///
     /// # Errors
     /// Returns an error if the simulation fails.
-    pub fn advance(&mut self, witness: &mut dyn Witness) -> Result<bool, SimError> {
+    pub fn advance(&mut self, witness: &mut dyn Witness) -> Result<ControlFlow<()>, SimError> {
         loop {
             let now = self.sim.steps();
             let next = |every: u64| (now / every + 1) * every;
@@ -126,17 +128,17 @@ impl Episode {
             let advanced = self.sim.advance_watched(self.controls, until - now, |sim| ride.push(sim));
             self.ledger.sim_steps = self.sim.steps();
             advanced?;
-            if until.is_multiple_of(self.sample_every) && self.sample(witness) {
-                return Ok(true);
+            if until.is_multiple_of(self.sample_every) && self.sample(witness).is_break() {
+                return Ok(Break(()));
             }
             if until.is_multiple_of(self.control_every) {
-                return Ok(false);
+                return Ok(Continue(()));
             }
         }
     }
 
-    /// Shows the sensors, the rules and the recorder the state; true when there is a verdict.
-    fn sample(&mut self, witness: &mut dyn Witness) -> bool {
+    /// Shows the sensors, the rules and the recorder the state; breaks once there is a verdict.
+    fn sample(&mut self, witness: &mut dyn Witness) -> ControlFlow<()> {
         let state = self.sim.state();
         self.perception.sample(Truth { state: &state, ruts: Some(&self.sim) });
         let sample = sample(&state, self.controls);
@@ -195,37 +197,7 @@ pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
         steering: controls.steering,
         throttle: controls.throttle,
         brake: controls.brake,
-        gear: f64::from(gear(controls.gear) as u32),
-    }
-}
-
-/// The gear that a sample says was commanded.
-#[must_use]
-pub fn commanded_gear(sample: &Sample) -> vb_sim::Gear {
-    if sample.gear == Sample::REVERSE {
-        vb_sim::Gear::Reverse
-    } else if sample.gear == Sample::NEUTRAL {
-        vb_sim::Gear::Neutral
-    } else {
-        vb_sim::Gear::Forward
-    }
-}
-
-/// A gear that a planner asks for, as the simulation knows it.
-fn asked_gear(gear: vb_sdk::Gear) -> vb_sim::Gear {
-    match gear {
-        vb_sdk::Gear::Forward => vb_sim::Gear::Forward,
-        vb_sdk::Gear::Neutral => vb_sim::Gear::Neutral,
-        vb_sdk::Gear::Reverse => vb_sim::Gear::Reverse,
-    }
-}
-
-/// A gear as planners and records know it.
-fn gear(gear: vb_sim::Gear) -> vb_sdk::Gear {
-    match gear {
-        vb_sim::Gear::Forward => vb_sdk::Gear::Forward,
-        vb_sim::Gear::Neutral => vb_sdk::Gear::Neutral,
-        vb_sim::Gear::Reverse => vb_sdk::Gear::Reverse,
+        gear: f64::from(planner_gear(controls.gear) as u32),
     }
 }
 
@@ -240,7 +212,7 @@ fn observation(state: &VehicleState, last: Controls, seen: Readings) -> Observat
         lidar,
         depth,
         local_map,
-        gear: gear(state.gear),
+        gear: planner_gear(state.gear),
         engine_speed: state.engine_speed,
         steering: state.steering,
         last_steering: last.steering,

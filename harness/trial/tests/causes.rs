@@ -4,14 +4,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use vb_host::{LogSink, PlannerFault};
-use vb_runner::{Driver, Keep, Place, Setting, Soils, Vehicle, Wants};
 use vb_score::cause::Cause;
 use vb_score::{Rules, TaskRecord};
 use vb_sdk::{Command, Observation};
 use vb_sense::Profile;
-use vb_sim::SoilSet;
-use vb_vehicle::VehicleSpec;
+use vb_sim::{SoilSet, Soils};
+use vb_trial::{Driver, DriverFault, Keep, Log, Place, Setting, Wants};
+use vb_vehicle::{Vehicle, VehicleSpec};
 use vb_world::{Heightfield, Obstacle, ObstacleKind, Pose2, Task, TerrainClass, World};
 
 /// A driver whose command follows from what it sees.
@@ -22,11 +21,11 @@ impl Driver for Hand {
         "hand".into()
     }
 
-    fn start(&mut self, _: &vb_sdk::Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, _: &vb_sdk::Task, _: Log) -> Result<(), DriverFault> {
         Ok(())
     }
 
-    fn step(&mut self, observation: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, observation: &Observation) -> Result<Command, DriverFault> {
         Ok((self.0)(observation))
     }
 }

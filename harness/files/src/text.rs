@@ -1,4 +1,4 @@
-//! Text from planners, made fit to be shown.
+//! Text from strangers, made fit to be shown.
 
 /// Long enough for any message meant to be read, characters.
 const MAX: usize = 2000;

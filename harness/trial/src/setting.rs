@@ -3,22 +3,20 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use vb_host::{Metadata, Plugin};
 use vb_record::{DataHeader, LogMode, TraceMode};
 use vb_score::{Conditions, Rules, StartRule};
 use vb_sdk::Param;
 use vb_sdk::metadata::Need;
 use vb_sense::rays::Scene;
 use vb_sense::{Perception, Profile};
-use vb_sim::{SimOptions, SoilSet, Start, Surroundings};
-use vb_vehicle::{SCALES, VehicleModel};
+use vb_sim::{SAMPLE_PERIOD, SimOptions, SoilSet, Soils, Start, Surroundings};
+use vb_vehicle::{SCALES, Vehicle, VehicleModel};
 use vb_world::{Suite, SuiteError, Task, World};
 
 use crate::brief::{Terms, planner_vehicle};
 use crate::driver::{Driver, Witness};
-use crate::run::{Soils, Vehicle};
 use crate::shape::static_shape;
-use crate::{RunError, SAMPLE_PERIOD, Trial, TrialResult};
+use crate::{Trial, TrialError, TrialResult};
 
 /// A world, and what sensors see of it.
 #[derive(Clone)]
@@ -89,16 +87,6 @@ pub struct Wants {
     pub params: Vec<Param>,
 }
 
-impl Wants {
-    /// What a plugin asks for under a perception profile.
-    #[must_use]
-    pub fn of(plugin: &Plugin, perception: &Profile, params: Vec<Param>) -> Self {
-        let Metadata { name, control_period, .. } = plugin.metadata();
-        let needs = perception.sensors_of(plugin.metadata());
-        Self { name: name.clone(), control_period: *control_period, needs, params }
-    }
-}
-
 /// What is kept of a trial.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Keep {
@@ -132,9 +120,9 @@ impl Setting {
         time_step: f64,
         scale: f64,
         seed: u64,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, TrialError> {
         if !SCALES.contains(&scale) {
-            return Err(RunError::Scale(scale));
+            return Err(TrialError::Scale(scale));
         }
         let options = SimOptions {
             step: time_step,
@@ -167,7 +155,7 @@ impl Setting {
         place: &Place,
         task: &Task,
         wants: &Wants,
-    ) -> Result<(Perception, vb_sdk::Task), RunError> {
+    ) -> Result<(Perception, vb_sdk::Task), TrialError> {
         self.brief_in(place, task, wants, self.seed)
     }
 
@@ -181,7 +169,7 @@ impl Setting {
         task: &Task,
         wants: &Wants,
         seed: u64,
-    ) -> Result<(Perception, vb_sdk::Task), RunError> {
+    ) -> Result<(Perception, vb_sdk::Task), TrialError> {
         let terms = self.terms(wants, seed);
         let perception = self.perception(place, task, wants, seed)?;
         let brief = terms.brief(&place.world, task, self.vehicle.clone(), wants.params.clone(), &perception);
@@ -198,10 +186,10 @@ impl Setting {
         task: &Task,
         wants: &Wants,
         seed: u64,
-    ) -> Result<Perception, RunError> {
+    ) -> Result<Perception, TrialError> {
         let seed = self.terms(wants, seed).perception_seed(&place.world, task);
         Perception::new(&self.perception, &wants.needs, &place.scene, self.model.spec(), &seed)
-            .map_err(|source| RunError::Perception { planner: wants.name.clone(), source })
+            .map_err(|source| TrialError::Perception { planner: wants.name.clone(), source })
     }
 
     fn terms(&self, wants: &Wants, seed: u64) -> Terms<'_> {
@@ -251,7 +239,7 @@ impl Setting {
         witness: &mut dyn Witness,
         keep: Keep,
         cancel: &AtomicBool,
-    ) -> Result<Option<TrialResult>, RunError> {
+    ) -> Result<Option<TrialResult>, TrialError> {
         let (perception, brief) = self.brief(place, task, wants)?;
         let trial = self.trial(place, task, &brief, keep);
         Ok(trial.run(driver, perception, witness, cancel))

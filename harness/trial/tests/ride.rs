@@ -4,13 +4,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use vb_host::{LogSink, PlannerFault};
-use vb_runner::{Driver, Keep, Place, Setting, Soils, Vehicle, Wants};
 use vb_score::{Flag, Outcome, Rules, TaskRecord};
 use vb_sdk::{Command, Observation};
 use vb_sense::Profile;
-use vb_sim::SoilSet;
-use vb_vehicle::VehicleSpec;
+use vb_sim::{SoilSet, Soils};
+use vb_trial::{Driver, DriverFault, Keep, Log, Place, Setting, Wants};
+use vb_vehicle::{Vehicle, VehicleSpec};
 use vb_world::{Heightfield, Pose2, Task, TerrainClass, World};
 
 /// A driver who does the same all the time.
@@ -21,11 +20,11 @@ impl Driver for Hand {
         "hand".into()
     }
 
-    fn start(&mut self, _: &vb_sdk::Task, _: LogSink) -> Result<(), PlannerFault> {
+    fn start(&mut self, _: &vb_sdk::Task, _: Log) -> Result<(), DriverFault> {
         Ok(())
     }
 
-    fn step(&mut self, _: &Observation) -> Result<Command, PlannerFault> {
+    fn step(&mut self, _: &Observation) -> Result<Command, DriverFault> {
         Ok(self.0.clone())
     }
 }
