@@ -63,9 +63,9 @@ enum {
 
 /* made: data (by cargo xtask abi, from sdk/wit; edit that instead) */
 
-/* The direction of travel that the gearbox is in. */
+/* The gear of the vehicle, which determines the direction of travel. */
 enum {
-    /* One of the forward gears; the gearbox chooses which. */
+    /* A forward gear, chosen by the gearbox. */
     VB_GEAR_FORWARD = 0,
     /* The engine is uncoupled. */
     VB_GEAR_NEUTRAL = 1,
@@ -101,20 +101,20 @@ typedef struct vb_pose2 {
     double yaw;
 } vb_pose2;
 
-/* The vehicle to be driven. */
+/* The vehicle of a task. */
 typedef struct vb_vehicle {
     /* The name of the vehicle, e.g. hmmwv. */
     const char *name;
-    /* The size of the world over that of the full-size original: 1, 1/6 or 1/10. */
+    /* The scale of the world, relative to the full-size original: 1, 1/6 or 1/10. */
     double scale;
     /* The mass of the whole vehicle, kg. */
     double mass;
-    /* The length of what collides, hull and tyres, m. */
+    /* The length of the collision shape (hull and tyres), m. */
     double length;
-    /* The width of what collides, hull and tyres with the wheels straight ahead but without mirrors, m. Half of it
-     * lies to each side of the centre line. */
+    /* The width of the collision shape (hull and tyres with the wheels straight ahead, without mirrors), m. The
+     * shape is symmetric to the centre line. */
     double width;
-    /* The height of what collides above flat ground, m. */
+    /* The height of the collision shape above flat ground, m. */
     double height;
     /* The distance between the first and the last axle, m. */
     double wheelbase;
@@ -122,13 +122,13 @@ typedef struct vb_vehicle {
     double track;
     /* The radius of the wheels, m. */
     double wheel_radius;
-    /* The number of wheels. Wheel data come from front to back, left before right. */
+    /* The number of wheels. Wheel data are ordered from front to back, left before right. */
     uint32_t wheels;
     /* The height of the belly above flat ground, m. */
     double ground_clearance;
     /* The road-wheel angle at steering command 1, rad: the mean of both sides. */
     double max_steer_angle;
-    /* The greatest rate of the steering command, 1/s. */
+    /* The maximum rate of the steering command, 1/s. */
     double max_steer_rate;
     /* The turning radius of the reference point at full lock on flat ground, m. */
     double min_turn_radius;
@@ -138,16 +138,16 @@ typedef struct vb_vehicle {
     double max_reverse_speed;
     /* The speed below which the gearbox changes between forward and reverse, m/s. */
     double direction_change_speed;
-    /* The time that such a change takes, during which no torque reaches the wheels, s. */
+    /* The duration of this change, during which no torque reaches the wheels, s. */
     double direction_change_time;
 } vb_vehicle;
 
-/* The places at which the samples of a map lie: sample (row, col) is at x = origin_x + col·resolution, y = origin_y
- * + row·resolution; row 0 is the southernmost. */
+/* The positions of a map's samples: sample (row, col) is at x = origin_x + col·resolution, y = origin_y +
+ * row·resolution; row 0 is the southernmost. */
 typedef struct vb_grid_frame {
-    /* The number of rows, which go from south to north. */
+    /* The number of rows, from south to north. */
     uint32_t rows;
-    /* The number of columns, which go from west to east. */
+    /* The number of columns, from west to east. */
     uint32_t cols;
     /* The distance between neighbouring samples, m. */
     double resolution;
@@ -180,38 +180,38 @@ typedef struct vb_label_map {
 typedef struct vb_param {
     /* The name of the parameter. */
     const char *key;
-    /* The value of the parameter, as the user wrote it. */
+    /* The value of the parameter, as text. */
     const char *value;
 } vb_param;
 
-/* The place and the attitude of a sensor on the vehicle. */
+/* The position and attitude of a sensor on the vehicle. */
 typedef struct vb_mount {
     /* The position of the sensor in the body frame, m. */
     vb_vec3 position;
-    /* The roll of the sensor against the body, rad. */
+    /* The roll of the sensor relative to the body, rad. */
     double roll;
-    /* The pitch of the sensor against the body, rad, positive when it looks down. */
+    /* The pitch of the sensor relative to the body, rad, positive downwards. */
     double pitch;
-    /* The yaw of the sensor against the body, rad, positive when it looks to the left. */
+    /* The yaw of the sensor relative to the body, rad, positive to the left. */
     double yaw;
 } vb_mount;
 
 /* The spinning lidar of the vehicle. */
 typedef struct vb_lidar_info {
-    /* The time of one turn, which is that between two scans, s. */
+    /* The duration of a turn, which is the interval between scans, s. */
     double period;
-    /* The number of beams, which are the rows of a scan, lowest first. */
+    /* The number of beams: the rows of a scan, lowest first. */
     uint32_t rows;
-    /* The number of directions of a turn, which are the columns of a scan: column c looks at the azimuth −π + (c +
-     * 1/2) · 2π / cols in the sensor's frame, counter-clockwise from straight ahead. */
+    /* The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / cols
+     * in the sensor's frame, counter-clockwise from straight ahead. */
     uint32_t cols;
-    /* The elevation angle of the lowest beam over the sensor's horizon, rad. */
+    /* The elevation angle of the lowest beam above the sensor's horizon, rad. */
     double lowest;
-    /* The elevation angle of the highest beam, rad. The others lie at equal angles between the two. */
+    /* The elevation angle of the highest beam, rad. All beams have equal angular distances. */
     double highest;
-    /* The least distance that it measures, m. */
+    /* The minimum measured distance, m. */
     double min_range;
-    /* The greatest distance that it measures, m. */
+    /* The maximum measured distance, m. */
     double max_range;
     /* The place of the sensor on the vehicle. */
     vb_mount mount;
@@ -219,17 +219,17 @@ typedef struct vb_lidar_info {
 
 /* The depth camera of the vehicle, a pinhole camera with square pixels. */
 typedef struct vb_depth_info {
-    /* The time between two images, s. */
+    /* The interval between images, s. */
     double period;
-    /* The number of rows of an image, topmost first. */
+    /* The number of rows of an image, from top to bottom. */
     uint32_t rows;
-    /* The number of columns of an image, leftmost first. */
+    /* The number of columns of an image, from left to right. */
     uint32_t cols;
     /* The angle between the left and the right edge of an image, rad. */
     double field_of_view;
-    /* The least depth that it measures, m. */
+    /* The minimum measured depth, m. */
     double min_depth;
-    /* The greatest depth that it measures, m. */
+    /* The maximum measured depth, m. */
     double max_depth;
     /* Whether the images have a label for each pixel. */
     uint8_t labels;
@@ -237,50 +237,50 @@ typedef struct vb_depth_info {
     vb_mount mount;
 } vb_depth_info;
 
-/* What a planner is told at the start of a task. */
+/* The data for a planner at the start of a task. */
 typedef struct vb_task {
     /* The name of the task within the suite, e.g. w003/t07. */
     const char *id;
-    /* The vehicle to be driven. */
+    /* The vehicle. */
     vb_vehicle vehicle;
-    /* The heights of the ground, m, as far as the perception profile gives them; absent if it gives none. NULL
-     * where it is absent. */
+    /* The heights of the ground that the perception profile provides, m; absent if it provides none. NULL where it
+     * is absent. */
     const vb_height_map *elevation;
-    /* The kinds of ground, as far as the perception profile gives them: 0 clay, 1 concrete, 2 dirt, 3 grass, 4
-     * gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it gives none. NULL where it is absent. */
+    /* The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5
+     * rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none. NULL where it is absent. */
     const vb_label_map *semantics;
-    /* The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is
-     * covered by an obstacle, else 0; absent if it gives none. NULL where it is absent. */
+    /* The obstacles that the perception profile provides: 1 where an obstacle covers any part of the sample's
+     * square, otherwise 0; absent if it provides none. NULL where it is absent. */
     const vb_label_map *occupancy;
-    /* Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y. */
+    /* Half of the world's extent along x and y, m. The vehicle must stay between −x and x, and between −y and y. */
     vb_point2 half_extent;
     /* The global path, from the start to the goal. */
     const vb_point2 *path;
     size_t path_len;
-    /* The pose from which the vehicle starts, at rest. */
+    /* The pose of the vehicle at the start, at rest. */
     vb_pose2 start;
-    /* The point to which the vehicle must go. */
+    /* The goal. */
     vb_point2 goal;
-    /* The distance from the goal within which the task is done, m. */
+    /* The maximum distance from the goal at which the task is completed, m. */
     double goal_radius;
     /* The time limit, s. */
     double time_limit;
-    /* The time between two calls of step, s. */
+    /* The interval between calls of step, s. */
     double control_period;
-    /* The seed for the planner's own randomness: the same in every run of this task with the same run seed. */
+    /* The seed of the planner's randomness. It depends only on the task and the seed of the run. */
     uint64_t seed;
-    /* All parameters that the planner declares, with the user's values or the defaults. */
+    /* All declared parameters of the planner, with the user's values or the defaults. */
     const vb_param *params;
     size_t params_len;
     /* The name of the perception profile, e.g. oracle. */
     const char *perception;
-    /* The lidar; absent if the planner doesn't ask for it. NULL where it is absent. */
+    /* The lidar; absent if the planner doesn't request it. NULL where it is absent. */
     const vb_lidar_info *lidar;
-    /* The depth camera; absent if the planner doesn't ask for it. NULL where it is absent. */
+    /* The depth camera; absent if the planner doesn't request it. NULL where it is absent. */
     const vb_depth_info *depth;
 } vb_task;
 
-/* An estimate of the vehicle's state, as the perception profile lets it be: the truth under oracle. */
+/* An estimate of the vehicle's state, with the errors of the perception profile: exact under oracle. */
 typedef struct vb_pose {
     /* The position of the vehicle's reference point in the world frame, m. */
     vb_vec3 position;
@@ -296,7 +296,7 @@ typedef struct vb_pose {
     vb_vec3 angular_velocity;
 } vb_pose;
 
-/* The state of one wheel, as its sensors measure it. */
+/* The measured state of a wheel. */
 typedef struct vb_wheel {
     /* The angular velocity of the wheel about its axle, rad/s, positive when rolling forward. */
     double spin;
@@ -304,18 +304,18 @@ typedef struct vb_wheel {
     double travel;
 } vb_wheel;
 
-/* One measurement of the inertial measurement unit. */
+/* A measurement of the inertial measurement unit. */
 typedef struct vb_imu_sample {
     /* The simulated time of the measurement, s. */
     double time;
-    /* The specific force at the vehicle's reference point in body axes, m/s²: the acceleration less that of
-     * gravity, so +9.81 along z at rest. */
+    /* The specific force at the vehicle's reference point in body axes, m/s²: the acceleration minus that of
+     * gravity, +9.81 along z at rest. */
     vb_vec3 specific_force;
     /* The angular velocity in body axes, rad/s. */
     vb_vec3 angular_velocity;
 } vb_imu_sample;
 
-/* A position from satellites. */
+/* A GNSS position. */
 typedef struct vb_gnss_fix {
     /* The simulated time of the measurement, s. */
     double time;
@@ -323,45 +323,44 @@ typedef struct vb_gnss_fix {
     vb_vec3 position;
 } vb_gnss_fix;
 
-/* One turn of the lidar. */
+/* A turn of the lidar. */
 typedef struct vb_lidar_scan {
     /* The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / cols) · period before,
      * while the vehicle moved. */
     double time;
-    /* The rows · cols measured distances, m, row-major; 0 where nothing came back. */
+    /* The rows · cols measured distances, m, row-major; 0 without an echo. */
     const float *ranges;
     size_t ranges_len;
 } vb_lidar_scan;
 
-/* One image of the depth camera. */
+/* An image of the depth camera. */
 typedef struct vb_depth_image {
     /* The simulated time of the image, s. */
     double time;
-    /* The rows · cols depths along the camera's axis, m, row-major; 0 where nothing was measured. */
+    /* The rows · cols depths along the camera's axis, m, row-major; 0 without a measurement. */
     const float *depths;
     size_t depths_len;
-    /* The kinds of ground that the pixels are recognised as, with the numbers of the task's semantics, 10 for an
-     * obstacle, and 255 where nothing was measured; empty if the camera has no labels. */
+    /* The recognised terrain classes of the pixels, with the numbers of the task's semantics, 10 for an obstacle,
+     * and 255 without a measurement; empty if the camera has no labels. */
     const uint8_t *labels;
     size_t labels_len;
 } vb_depth_image;
 
-/* The map of the vehicle's surroundings that is built from lidar and depth camera at the estimated pose. Its axes
- * are those of the world frame as far as the estimate is right, and the vehicle is in its middle. */
+/* The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in
+ * its middle, and its axes are those of the world frame, up to the error of the estimate. */
 typedef struct vb_local_map {
-    /* The simulated time at which the map was last brought up to date, s. */
+    /* The simulated time of the last update, s. */
     double time;
-    /* The heights of the ground, m; NaN where it has not been seen. */
+    /* The heights of the ground, m; NaN where they are unknown. */
     vb_height_map elevation;
-    /* The kinds of ground, with the numbers of the task's semantics; 255 where it has not been seen, or isn't
-     * known. */
+    /* The terrain classes, with the numbers of the task's semantics; 255 where they are unknown. */
     vb_label_map semantics;
-    /* 1 where an obstacle was seen, 0 where ground was seen, and 255 where nothing was. */
+    /* 1 for obstacles, 0 for ground, 255 where it is unknown. */
     vb_label_map occupancy;
 } vb_local_map;
 
-/* What a planner sees every control period: what its sensors have measured since the last one. A sensor that the
- * planner doesn't ask for, or that has measured nothing since, is absent. */
+/* The observation of a control period: the measurements since the previous one. A sensor is absent if the planner
+ * doesn't request it, or if it has no new measurement. */
 typedef struct vb_observation {
     /* The simulated time since the start, s. */
     double time;
@@ -373,7 +372,7 @@ typedef struct vb_observation {
     /* The measurements of the inertial measurement unit (imu), oldest first. */
     const vb_imu_sample *imu;
     size_t imu_len;
-    /* The last position from satellites (gnss). NULL where it is absent. */
+    /* The last GNSS position (gnss). NULL where it is absent. */
     const vb_gnss_fix *gnss;
     /* The last turn of the lidar (lidar). NULL where it is absent. */
     const vb_lidar_scan *lidar;
@@ -381,12 +380,12 @@ typedef struct vb_observation {
     const vb_depth_image *depth;
     /* The map of the surroundings (local_map). NULL where it is absent. */
     const vb_local_map *local_map;
-    /* The gear that is in: neutral while a change of direction takes its time. One of VB_GEAR_…. */
+    /* The engaged gear; neutral during a change of direction. One of VB_GEAR_…. */
     uint32_t gear;
-    /* The speed of the engine, rad/s. */
+    /* The engine speed, rad/s. */
     double engine_speed;
-    /* The steering that the wheels have now, which follows the command at max_steer_rate, in [-1, 1], positive to
-     * the left. */
+    /* The present steering of the wheels, which follows the command at max_steer_rate, in [-1, 1], positive to the
+     * left. */
     double steering;
     /* The steering command applied until now, after clamping; 0 at first. */
     double last_steering;
@@ -396,9 +395,9 @@ typedef struct vb_observation {
     double last_brake;
 } vb_observation;
 
-/* Numbers that the harness records beside the trajectory, e.g. a sampled trajectory or a cost. */
+/* Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost. */
 typedef struct vb_series {
-    /* The name of the series, which stays the same over a task. */
+    /* The name of the series, constant over a task. */
     const char *name;
     /* The values of the series. */
     const float *values;
@@ -414,10 +413,9 @@ typedef struct vb_command {
     /* The brake, in [0, 1]. */
     double brake;
     /* The direction of travel. A change between forward and reverse waits until the vehicle is slower than
-     * direction_change_speed, with the throttle closed; brake to bring that about. One of VB_GEAR_…. */
+     * direction_change_speed, with the throttle closed; brake to slow down. One of VB_GEAR_…. */
     uint32_t gear;
-    /* Series that are recorded beside the trajectory and drawn by vb-harness replay. Leave this empty in normal
-     * runs. */
+    /* Series that are recorded with the trajectory and drawn by vb-harness replay. Leave this empty in normal runs. */
     const vb_series *debug;
     size_t debug_len;
 } vb_command;

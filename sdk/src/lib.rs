@@ -11,6 +11,8 @@
 //! IEEE 754; everything else (`sin`, `exp`, …) must come from [`math`], since the standard library calls the
 //! platform's own functions.
 
+#![deny(missing_docs)]
+
 #[cfg(feature = "serde")]
 mod bytes;
 #[cfg(not(target_family = "wasm"))]

@@ -7,7 +7,6 @@ use crate::CatalogError;
 /// A packed folder `tasks` ([`vb_files::bundle`]).
 #[derive(Clone, Copy)]
 pub struct Carried {
-    /// The bundle.
     pub bundle: &'static [u8],
     /// Tells it from those of other versions: hexadecimal digits of its SHA-256.
     pub hash: &'static str,

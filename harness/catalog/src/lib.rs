@@ -22,7 +22,7 @@ pub use places::{
 };
 
 /// The suite that is run where none is named.
-const DEFAULT_SUITE: &str = "vb-100";
+pub const DEFAULT_SUITE: &str = "vb-100";
 
 /// A kind of data file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,6 @@ impl Catalog {
         Self { carried: Some(carried), ..self }
     }
 
-    /// This folder.
     #[must_use]
     pub fn at(tasks: impl Into<PathBuf>) -> Self {
         Self { tasks: OnceLock::from(tasks.into()), carried: None, cache: cache_dir() }
@@ -104,9 +103,6 @@ impl Catalog {
     }
 
     /// The built-in suites, by name.
-    ///
-    /// # Errors
-    /// Returns an error if the folder is missing or can't be listed.
     pub fn suites(&self) -> Result<Vec<PathBuf>, CatalogError> {
         let dir = self.tasks()?;
         let entries =
@@ -214,9 +210,6 @@ impl Catalog {
     }
 
     /// The names of the data files of a kind that come with the harness.
-    ///
-    /// # Errors
-    /// Returns an error if the folder is missing.
     pub fn names(&self, kind: Data) -> Result<Vec<String>, CatalogError> {
         let dir = self.tasks()?.join(kind.folder());
         let mut names: Vec<String> = std::fs::read_dir(&dir)

@@ -10,9 +10,6 @@ use crate::{Catalog, CatalogError, is_name};
 
 impl Catalog {
     /// The terrain model that a generator's rules name: one that comes with the harness, or a file beside the rules' file.
-    ///
-    /// # Errors
-    /// Returns an error if it can't be read.
     pub fn model(&self, name: &str, rules: Option<&Path>) -> Result<Model, CatalogError> {
         let wanted = Path::new(name);
         let path = if is_name(wanted.as_os_str()) {

@@ -15,7 +15,6 @@ struct Frame<'a> {
 
 /// Something that is measured on each frame.
 pub struct Quantity {
-    /// What it is called.
     pub name: &'static str,
     /// Its unit, as axes have it.
     pub unit: &'static str,
@@ -72,7 +71,6 @@ impl Histogram {
         *self.0.entry(place as i64).or_default() += 1;
     }
 
-    /// The number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.0.values().sum()
@@ -85,13 +83,10 @@ pub type Counts = BTreeMap<String, BTreeMap<String, u64>>;
 /// The figures of a dataset, episode by episode.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
-    /// The number of episodes.
     pub episodes: u64,
-    /// The number of frames.
     pub frames: u64,
     /// The length of all ways, m.
     pub distance_m: f64,
-    /// The worlds that were driven in.
     pub worlds: BTreeSet<String>,
     /// Episodes by who drove and outcome.
     pub by_driver: Counts,

@@ -65,13 +65,9 @@ impl Clip {
 
 /// All that the page of a dataset shows.
 pub struct Overview<'a> {
-    /// What the dataset says of itself.
     pub header: &'a Header,
-    /// Its hash.
     pub hash: &'a str,
-    /// The figures of all episodes.
     pub figures: &'a Figures,
-    /// Some episodes.
     pub clips: &'a [Clip],
 }
 

@@ -46,7 +46,6 @@ fn again(header: &Header) -> String {
     }
 }
 
-/// The text of the card.
 pub(crate) fn card(
     header: &Header,
     features: &[Feature],

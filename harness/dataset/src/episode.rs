@@ -24,7 +24,6 @@ pub struct EpisodeInfo {
     pub driver: String,
     /// The world, by its name in the dataset's `worlds`.
     pub world: String,
-    /// The content hash of the world.
     pub world_hash: String,
     /// The name of the task in the suite, e.g. `w003/t07`; empty for exploration.
     pub task: String,
@@ -87,9 +86,7 @@ impl EpisodeInfo {
 /// An episode in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Episode {
-    /// What is said of it.
     pub info: EpisodeInfo,
-    /// The number of frames.
     pub frames: usize,
     /// The values of each column, in the order of the dataset's features.
     pub columns: Vec<Values>,

@@ -44,9 +44,6 @@ impl Episode {
 }
 
 /// Adds the last seconds before each failure of a dataset; how many there were.
-///
-/// # Errors
-/// Returns an error if the dataset can't be read, or a file can't be written.
 pub fn failures(of: &Dataset, writer: &mut DatasetWriter, seconds: f64) -> Result<usize, DatasetError> {
     let header = of.header();
     let (hz, name) = (f64::from(header.hz), header.name.clone());

@@ -8,16 +8,12 @@ use vb_sdk::{Command, Observation, Pose2};
 use vb_sim::{Controls, Gear, VehicleState};
 use vb_world::World;
 
-/// The kind of number that a column has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dtype {
-    /// Numbers of 32 bits.
     F32,
-    /// Whole numbers of 64 bits.
     I64,
     /// Labels from 0 to 255.
     U8,
-    /// True or false.
     Bool,
 }
 
@@ -37,9 +33,7 @@ impl Dtype {
 /// A column of a dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
-    /// The name of the column.
     pub name: &'static str,
-    /// The kind of its numbers.
     pub dtype: Dtype,
     /// The shape of one frame's value: `[1]` for a number, `[n]` for a vector, `[rows, cols]` for a grid.
     pub shape: Vec<usize>,
@@ -86,7 +80,6 @@ enum Fill {
 /// What decides which columns there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
-    /// The number of the vehicle's wheels.
     pub wheels: usize,
     /// Whether the driver tells the speed that it aims at.
     pub speed: bool,
@@ -327,7 +320,6 @@ pub enum Values {
 }
 
 impl Values {
-    /// No values yet.
     #[must_use]
     pub fn new(dtype: Dtype) -> Self {
         match dtype {
@@ -338,7 +330,6 @@ impl Values {
         }
     }
 
-    /// The number of values.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -349,7 +340,6 @@ impl Values {
         }
     }
 
-    /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

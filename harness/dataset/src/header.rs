@@ -17,7 +17,6 @@ pub const DATASET_SCHEMA: u32 = 1;
 /// The licence of the datasets that the harness makes: the same as of the worlds.
 pub const LICENCE: &str = "CC-BY-4.0";
 
-/// What a dataset is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -29,9 +28,7 @@ pub enum Kind {
     Teleop,
     /// The last seconds before failures.
     Failures,
-    /// Several datasets in one.
     Merged,
-    /// A part of a dataset.
     Split,
 }
 
@@ -50,12 +47,9 @@ impl Kind {
     }
 }
 
-/// A planner that drove.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannerHeader {
-    /// The name.
     pub name: String,
-    /// The version.
     pub version: String,
     /// The SHA-256 of the plugin.
     pub sha256: String,
@@ -68,19 +62,14 @@ pub struct PlannerHeader {
 pub struct Header {
     /// The version of the layout, [`DATASET_SCHEMA`].
     pub schema: u32,
-    /// The name of the dataset.
     pub name: String,
-    /// What it is of.
     pub kind: Kind,
     /// The licence, as SPDX names it.
     pub licence: String,
-    /// The version of the harness that made it.
     pub harness_version: String,
-    /// The Git commit that this harness was built from.
     pub harness_commit: String,
     /// The arguments of `vb-harness` that make it again, `--out` left out.
     pub command: Vec<String>,
-    /// The seed.
     pub seed: u64,
     /// Frames a second.
     pub hz: u32,
@@ -88,11 +77,8 @@ pub struct Header {
     pub layout: Layout,
     /// The vehicle, with the SHA-256 of its file.
     pub vehicle: DataHeader,
-    /// The soils.
     pub soils: DataHeader,
-    /// The rules.
     pub rules: DataHeader,
-    /// The perception profile.
     pub perception: DataHeader,
     /// The factor on every length of the worlds.
     pub scale: f64,

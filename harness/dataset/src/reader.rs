@@ -111,13 +111,11 @@ impl Dataset {
         Ok(())
     }
 
-    /// The folder.
     #[must_use]
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// What it says of itself.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
@@ -140,9 +138,6 @@ impl Dataset {
     }
 
     /// The hash of the dataset: the SHA-256 of its `SHA256SUMS`.
-    ///
-    /// # Errors
-    /// Returns an error if that file can't be read.
     pub fn hash(&self) -> Result<String, DatasetError> {
         let path = self.dir.join(SUMS);
         hash_file(&path).map_err(DatasetError::io("read", &path))
@@ -150,9 +145,6 @@ impl Dataset {
 
     /// The hash of the frames alone, which is the same whatever version of the harness made them: the SHA-256 of the lines of
     /// `SHA256SUMS` that are of data files.
-    ///
-    /// # Errors
-    /// Returns an error if that file can't be read.
     pub fn frames_hash(&self) -> Result<String, DatasetError> {
         let path = self.dir.join(SUMS);
         let text = vb_files::read_text(&path, vb_files::DOCUMENT).map_err(DatasetError::io("read", &path))?;
@@ -161,16 +153,12 @@ impl Dataset {
         Ok(vb_files::sha256(lines.as_bytes()))
     }
 
-    /// The number of frames.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.rows.last().map_or(0, |r| r.place.to)
     }
 
     /// The suite with the worlds.
-    ///
-    /// # Errors
-    /// Returns an error if it can't be read.
     pub fn worlds(&self) -> Result<Suite, DatasetError> {
         Ok(Suite::open(self.dir.join(WORLDS))?)
     }

@@ -18,14 +18,12 @@ pub(crate) const SUMS_SO_FAR: &str = ".SHA256SUMS";
 /// The most bytes of such a file: that of a dataset of half a million files.
 const MOST: u64 = 64 << 20;
 
-/// What is wrong with a file that isn't there.
 const MISSING: &str = "it is missing";
 
 /// Hashes of files, by their paths in the dataset.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sums(BTreeMap<PathBuf, String>);
 
-/// What is wrong with a file.
 pub(crate) struct Flaw {
     /// Its path in the dataset.
     pub(crate) file: PathBuf,
@@ -33,7 +31,6 @@ pub(crate) struct Flaw {
 }
 
 impl Sums {
-    /// Reads the hashes that are in a file of a dataset.
     pub(crate) fn read(dir: &Path, file: &str) -> Result<Self, DatasetError> {
         let path = dir.join(file);
         let text = vb_files::read_text(&path, MOST).map_err(|e| match e.kind() {
@@ -63,7 +60,6 @@ impl Sums {
         self.0.insert(file.to_owned(), hash);
     }
 
-    /// Leaves out these files.
     pub(crate) fn without(mut self, files: &[&str]) -> Self {
         self.0.retain(|file, _| files.iter().all(|f| file != Path::new(f)));
         self
@@ -112,7 +108,6 @@ impl Sums {
 }
 
 impl Flaw {
-    /// That of a file that isn't there.
     pub(crate) fn missing(file: PathBuf) -> Self {
         Self { file, problem: MISSING.to_owned() }
     }

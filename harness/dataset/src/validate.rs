@@ -81,7 +81,6 @@ fn hold(dir: &Path, findings: &mut Findings) -> Result<(), DatasetError> {
     Ok(())
 }
 
-/// Checks the worlds.
 fn worlds(dataset: &Dataset, suites: &[Suite], findings: &mut Findings) -> Option<Suite> {
     let suite = match dataset.worlds() {
         Ok(suite) => suite,

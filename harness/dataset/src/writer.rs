@@ -110,9 +110,6 @@ impl DatasetWriter {
     }
 
     /// The same in a new folder, whose content is there only when it is whole.
-    ///
-    /// # Errors
-    /// As [`DatasetWriter::create`].
     pub fn create_whole(
         folder: NewFolder,
         header: Header,
@@ -246,7 +243,6 @@ impl DatasetWriter {
         &self.features
     }
 
-    /// The number of episodes until now.
     #[must_use]
     pub fn episodes(&self) -> usize {
         self.done.episodes + self.rows.len()
@@ -265,9 +261,6 @@ impl DatasetWriter {
     }
 
     /// Adds an episode. One without frames is left out.
-    ///
-    /// # Errors
-    /// Returns an error if a file can't be written.
     pub fn add(&mut self, episode: &Episode) -> Result<(), DatasetError> {
         if episode.frames == 0 {
             return Ok(());
@@ -369,9 +362,6 @@ impl DatasetWriter {
 
     /// Makes a whole dataset of what there is, to which more can be added: the episodes of people come one by one, and each is
     /// to be safe.
-    ///
-    /// # Errors
-    /// As [`DatasetWriter::finish`].
     pub fn save(&mut self) -> Result<Finished, DatasetError> {
         self.flush()?;
         let Done { episodes, frames, .. } = self.done;
@@ -408,13 +398,10 @@ impl DatasetWriter {
 /// A finished dataset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finished {
-    /// The number of episodes.
     pub episodes: usize,
-    /// The number of frames.
     pub frames: usize,
     /// The hash of the dataset: the SHA-256 of its `SHA256SUMS`.
     pub hash: String,
-    /// What its card says of the episodes.
     pub summary: Summary,
 }
 

@@ -30,7 +30,6 @@ impl Place {
         DatasetWriter::resume(&self.path(name), self.header(), &self.suite, FRAMES)
     }
 
-    /// A dataset of these episodes.
     fn made(&self, name: &str, episodes: &[u64]) -> Dataset {
         let mut writer = self.create(name).unwrap();
         for k in episodes {
@@ -219,7 +218,6 @@ fn a_dataset_is_merged_once() {
     assert!(names.iter().all(|n| !n.to_string_lossy().starts_with('.')), "{names:?}");
 }
 
-/// Copies a folder.
 fn copy(from: &Path, to: &Path) {
     fs::create_dir(to).unwrap();
     for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {

@@ -32,33 +32,33 @@ pub struct Options {
     pub suite: Option<PathBuf>,
     /// The tasks, as a selector; `None` for all.
     pub tasks: Option<String>,
-    /// The number of training worlds.
+    /// The number of training worlds, from 1 to 1000; not used with a `suite`.
     pub worlds: u32,
     /// The seed of the training worlds, from 7000 to 7999.
     pub world_seed: u64,
     /// Suites of which no training world may be one, beside those that come with the harness.
     pub apart_from: Vec<PathBuf>,
-    /// The vehicle.
+    /// The vehicle: a name in `tasks/vehicles`, or the path of a file.
     pub vehicle: String,
-    /// The soils of deformable ground.
+    /// The soils of deformable ground: a name in `tasks/soils`, or the path of a file.
     pub soils: String,
-    /// The perception profile.
+    /// The perception profile: a name in `tasks/perception`, or the path of a file.
     pub perception: String,
-    /// The rules by which episodes end.
+    /// The rules by which episodes end: the name of a built-in profile, or the path of a file.
     pub rules: String,
     /// The factor on every length of the worlds; `None` for the scale that the vehicle is made for.
     pub scale: Option<f64>,
-    /// Actions a second.
+    /// The number of actions per simulated second, Hz: 100 divided by a whole number from 1 to 100.
     pub control_hz: f64,
     /// The time step of the simulation, s, as in `vb-harness run --time-step`. That of the benchmark is 0.001.
     pub time_step: f64,
-    /// The parts of an observation, by their names.
+    /// The parts of an observation, by their names in [`PARTS`].
     pub observation: Vec<String>,
-    /// What is seen of the surroundings.
+    /// The sizes of the crops of maps and of the path in an observation.
     pub sight: Sight,
-    /// What an action means.
+    /// The meaning and the range of each number of an action.
     pub action: ActionKind,
-    /// What a step is worth.
+    /// The weights from which the reward of a step is computed.
     pub reward: Reward,
 }
 
@@ -265,7 +265,6 @@ impl Arena {
         self.wants.control_period
     }
 
-    /// The index of a task by its name.
     pub(crate) fn find(&self, name: &str) -> Result<usize, EnvError> {
         let is_it = |t: &TaskRef| name.split_once('/') == Some((&t.world, &t.task));
         self.tasks.iter().position(is_it).ok_or_else(|| EnvError::NoTask {
@@ -313,7 +312,6 @@ impl Arena {
         }
     }
 
-    /// A task as a trial.
     pub(crate) fn trial<'a>(&'a self, start: &'a Start, brief: &'a vb_sdk::Task) -> Trial<'a> {
         self.setting.trial(&start.place, &start.task, brief, KEEP)
     }

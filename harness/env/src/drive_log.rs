@@ -16,7 +16,6 @@ const MAX_BYTES: usize = 16 << 20;
 pub(crate) struct DriveLog {
     /// The hash of the options of the arena.
     pub(crate) options: String,
-    /// The name of the task.
     pub(crate) task: String,
     /// The seed of the sensors' noise.
     pub(crate) run_seed: u64,

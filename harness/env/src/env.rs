@@ -35,9 +35,9 @@ pub struct Reset {
 /// What a step came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
-    /// The reward.
+    /// The sum of `terms`.
     pub reward: f64,
-    /// What each term of the reward was worth.
+    /// The value of each of [`TERMS`], multiplied by its weight.
     pub terms: Terms,
     /// Whether the episode has ended by what the vehicle did: success, rollover, stuck, out of bounds.
     pub terminated: bool,
@@ -95,7 +95,7 @@ impl Env {
         Self { arena, draws: draws(seed), running: None }
     }
 
-    /// What it shares with others.
+    /// The arena, which other environments may share.
     #[must_use]
     pub fn arena(&self) -> &Arc<Arena> {
         &self.arena
@@ -159,13 +159,13 @@ impl Env {
         }
     }
 
-    /// The name of the task.
+    /// The name of the task; `None` before the first episode.
     #[must_use]
     pub fn task(&self) -> Option<&str> {
         self.running.as_ref().map(|r| r.start.name.as_str())
     }
 
-    /// The seed of the sensors' noise.
+    /// The seed of the sensors' noise; `None` before the first episode.
     #[must_use]
     pub fn run_seed(&self) -> Option<u64> {
         self.running.as_ref().map(|r| r.run_seed)
@@ -177,7 +177,7 @@ impl Env {
         self.running.as_ref().map(|r| &r.brief)
     }
 
-    /// The state of the vehicle, in truth.
+    /// The true state of the vehicle; `None` before the first episode.
     #[must_use]
     pub fn vehicle(&self) -> Option<VehicleState> {
         self.running.as_ref().map(|r| r.episode.simulation().state())
@@ -211,13 +211,13 @@ impl Env {
         Ok(self.arena.painter(&running.start).picture(view, size, &moment)?)
     }
 
-    /// The record of the episode, as the benchmark has it, once it has ended.
+    /// The record of the episode, as runs have it; `None` until the episode has ended.
     #[must_use]
     pub fn record(&self) -> Option<&TaskRecord> {
         self.running.as_ref()?.record.as_deref()
     }
 
-    /// The environment as it is now.
+    /// A copy of the environment with its episode, for [`Self::restore`].
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let (arena, draws) = (Arc::clone(&self.arena), self.draws.clone());

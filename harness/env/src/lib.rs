@@ -8,6 +8,8 @@
 //! Everything that is random follows from the seed of [`Env::reset`]: the tasks, and the noise of the sensors. Which thread
 //! steps an environment changes nothing.
 
+#![deny(missing_docs)]
+
 mod arena;
 mod cache;
 mod drive_log;

@@ -7,7 +7,6 @@ use vb_score::Outcome;
 
 use crate::EnvError;
 
-/// The version of the layout of a file.
 const SCHEMA: u32 = 1;
 /// The greatest weight.
 const HEAVIEST: f64 = 1e6;
@@ -15,11 +14,11 @@ const HEAVIEST: f64 = 1e6;
 /// A term of a reward: what is measured of a step, to be multiplied by a weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// The name.
+    /// The name, as in files of weights.
     pub name: &'static str,
-    /// The unit of what is measured.
+    /// The unit of what is measured; empty if it has none.
     pub unit: &'static str,
-    /// What is measured.
+    /// What is measured, in words.
     pub about: &'static str,
     kind: Kind,
 }

@@ -31,11 +31,11 @@ pub enum Autoreset {
 /// What an environment has done, beside the numbers of [`Output`].
 #[derive(Clone, Debug)]
 pub struct Arrival {
-    /// The index of the environment.
+    /// The index of the environment, from 0.
     pub index: usize,
     /// The task and the seed of the sensors' noise, if an episode has begun.
     pub began: Option<(String, u64)>,
-    /// The record of the episode that has ended.
+    /// The record of the episode that has ended; `None` if the episode goes on.
     pub ended: Option<Box<TaskRecord>>,
 }
 
@@ -47,7 +47,6 @@ enum Job {
 /// One environment among many.
 struct Place {
     env: Env,
-    /// The episode has ended.
     is_over: bool,
     /// The name of the task that the curriculum has chosen for the next episode.
     next: Option<String>,
@@ -76,7 +75,6 @@ struct Shared {
 #[derive(Default)]
 struct Jobs {
     waiting: VecDeque<(usize, Job)>,
-    /// How many are being done.
     running: usize,
     stop: bool,
 }

@@ -38,39 +38,20 @@ pub struct Figure {
     pub body: String,
 }
 
-/// Why a figure can't be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// The drawing is no SVG, or has no size.
     #[error(
         "figure `{title}` can't be read as SVG: {reason} (this is an error of the harness: please report it)"
     )]
-    Svg {
-        /// The figure's title.
-        title: String,
-        /// Why not.
-        reason: String,
-    },
-    /// The PDF can't be made.
+    Svg { title: String, reason: String },
     #[error(
         "figure `{title}` can't be made a PDF: {reason} (this is an error of the harness: please report it)"
     )]
-    Pdf {
-        /// The figure's title.
-        title: String,
-        /// Why not.
-        reason: String,
-    },
-    /// The picture would be too large, or can't be made.
+    Pdf { title: String, reason: String },
     #[error(
         "figure `{title}` can't be made a PNG: {reason} (choose a smaller width, or fewer dots per inch)"
     )]
-    Png {
-        /// The figure's title.
-        title: String,
-        /// Why not.
-        reason: String,
-    },
+    Png { title: String, reason: String },
 }
 
 impl Figure {

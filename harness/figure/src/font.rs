@@ -5,10 +5,8 @@ use std::sync::{Arc, OnceLock};
 use resvg::usvg::fontdb::Database;
 use ttf_parser::Face;
 
-/// The name of its family.
 pub(crate) const FAMILY: &str = "Liberation Sans";
 
-/// The font's weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// Of texts.
@@ -18,7 +16,6 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// Both.
     pub(crate) const ALL: [Self; 2] = [Self::Regular, Self::Bold];
 
     /// Its number in styles.

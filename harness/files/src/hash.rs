@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 pub struct Hash(Sha256);
 
 impl Hash {
-    /// A hash over nothing yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

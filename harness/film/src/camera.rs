@@ -5,7 +5,6 @@ use vb_sim::VehicleState;
 
 use crate::V3;
 
-/// From where a film is shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Camera {
     /// From behind and above the vehicle, which the camera follows smoothly.

@@ -13,9 +13,7 @@ const SIZES: [f64; 2] = [10.0, 26.0];
 /// What the caption says of a run at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Said<'a> {
-    /// What the run is called.
     pub(crate) label: &'a str,
-    /// The colour of the run.
     pub(crate) colour: [u8; 3],
     /// s
     pub(crate) time: f64,

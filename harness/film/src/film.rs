@@ -14,10 +14,8 @@ use crate::{Camera, FilmError, caption};
 /// What is between panels, and where there is none.
 const GROUND: [u8; 3] = [22, 24, 28];
 
-/// What a film looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
-    /// From where it is shot.
     pub camera: Camera,
     /// The size of a frame, pixels.
     pub size: Size,

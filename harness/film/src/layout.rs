@@ -21,7 +21,6 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout for so many runs in a frame of this size.
     pub(crate) fn new(runs: usize, frame: Size) -> Result<Self, FilmError> {
         if runs > MOST {
             return Err(FilmError::Runs { runs, most: MOST });

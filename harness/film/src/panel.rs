@@ -41,7 +41,6 @@ pub(crate) struct Panel {
     trail: Vec<[f64; 3]>,
     ruts: Ruts,
     view: View,
-    /// That of the run.
     colour: [u8; 3],
 }
 
@@ -161,7 +160,6 @@ impl Panel {
         (state, turned)
     }
 
-    /// The picture of a moment.
     pub(crate) fn picture(&self, stage: &Stage, time: f64, size: Size) -> Result<Vec<u8>, RenderError> {
         let between = self.between(time);
         let (state, turned) = self.state(between);
@@ -190,7 +188,6 @@ impl Panel {
         self.painter.picture(view, size, &moment)
     }
 
-    /// What the caption says of a moment.
     pub(crate) fn said(&self, time: f64) -> Said<'_> {
         let between = self.between(time);
         let Between(a, ..) = between;

@@ -6,7 +6,6 @@ use vb_render::Size;
 
 use crate::{Film, FilmError, Schedule, ffmpeg, gif_file};
 
-/// A format of videos.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VideoFormat {
     /// GIF: every page and every slide shows it; 255 colours, and large files. It is made here.
@@ -18,20 +17,15 @@ pub enum VideoFormat {
 }
 
 impl VideoFormat {
-    /// All formats.
     const ALL: [Self; 3] = [Self::Gif, Self::Mp4, Self::WebM];
 
     /// The format that the end of a file's name says.
-    ///
-    /// # Errors
-    /// Returns an error if it says none.
     pub fn of(path: &Path) -> Result<Self, FilmError> {
         let end = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let found = Self::ALL.into_iter().find(|f| end.as_deref() == Some(f.extension()));
         found.ok_or_else(|| FilmError::Format { path: path.to_owned() })
     }
 
-    /// How names of its files end.
     pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::Gif => "gif",
@@ -40,7 +34,6 @@ impl VideoFormat {
         }
     }
 
-    /// The name of the format.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Gif => "GIF",

@@ -69,7 +69,6 @@ fn run(label: &str, speed: f64, outcome: Outcome) -> ReplayRun {
     }
 }
 
-/// A record of which nothing is known.
 fn blank() -> TaskRecord {
     let world = world();
     TaskRecord {

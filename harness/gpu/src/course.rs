@@ -14,9 +14,7 @@ const SOIL_RESOLUTION: f64 = 0.1;
 /// The benchmark's time step, s.
 pub const TIME_STEP: f64 = 1e-3;
 
-/// Why there is nothing to drive.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "each is an error of the crate that it is named after")]
 pub enum CourseError {
     #[error(transparent)]
     Catalog(#[from] vb_catalog::CatalogError),
@@ -47,9 +45,6 @@ pub struct Course {
 impl Course {
     /// The tasks of this suite that a selector chooses, or all of them. Suite and vehicle are names or files, as for
     /// `vb-harness run`. The time step (s) is the benchmark's, [`TIME_STEP`], or another one, whose states aren't the benchmark's.
-    ///
-    /// # Errors
-    /// Returns an error if one of them isn't there, or isn't valid.
     pub fn new(
         catalog: &Catalog,
         suite: &Path,
@@ -90,13 +85,11 @@ impl Course {
         }
     }
 
-    /// Where the tasks begin.
     #[must_use]
     pub fn starts(&self) -> Vec<Start> {
         self.tasks.iter().map(|(world, task)| Start { world: *world, pose: task.start }).collect()
     }
 
-    /// The names of the tasks.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         let name = |(world, task): &(usize, Task)| {

@@ -42,7 +42,6 @@ impl<'a> Drive<'a> {
         vehicle % self.course.tasks.len().max(1)
     }
 
-    /// What a vehicle is told.
     fn controls(vehicle: usize) -> Controls {
         let part = |primes: usize| (vehicle * primes % 101) as f64 / 100.0;
         Controls { steering: part(37) - 0.5, throttle: 0.2 + 0.6 * part(53), ..Controls::default() }
@@ -54,9 +53,6 @@ impl<'a> Drive<'a> {
     }
 
     /// Drives a fleet whose vehicles stand at the starts of [`Self::tasks`].
-    ///
-    /// # Errors
-    /// Returns an error if the fleet can't go on.
     pub fn on_gpu(&self, fleet: &mut Fleet) -> Result<(), GpuError> {
         let told = (0..fleet.vehicles()).map(Self::controls).map(|c| [c.steering, c.throttle, c.brake, 1.0]);
         let told: Vec<[f64; 4]> = told.collect();

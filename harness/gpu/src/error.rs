@@ -4,121 +4,55 @@ use std::path::PathBuf;
 
 use cudarc::driver::DriverError;
 
-/// Why a fleet can't be had, or can't go on.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// There is nothing to drive.
     #[error("a fleet has at least one vehicle and one task")]
     Empty,
-    /// There is no driver.
     #[error("there is no GPU here: CUDA's driver, libcuda, is not installed")]
     NoDriver,
-    /// There is no GPU with this number.
     #[error("there is no GPU {wanted} here; there are {found}, counted from 0")]
-    NoDevice {
-        /// The number.
-        wanted: usize,
-        /// How many there are.
-        found: i32,
-    },
-    /// The kernels are for other GPUs.
+    NoDevice { wanted: usize, found: i32 },
     #[error(
         "there are kernels for GPUs of compute capability {known} and later ones of these generations; {name} has {major}.{minor}"
     )]
-    Architecture {
-        /// The GPU's name.
-        name: String,
-        /// Its compute capability.
-        major: i32,
-        /// The number after the point.
-        minor: i32,
-        /// What there are kernels for.
-        known: String,
-    },
-    /// The kernels can't be read.
+    Architecture { name: String, major: i32, minor: i32, known: String },
     #[error("{path}: {source}; `cargo xtask kernel` makes it")]
-    Kernel {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
-    },
-    /// The kernels' simulator is another one.
+    Kernel { path: PathBuf, source: std::io::Error },
     #[error(
         "{path}: these kernels were made of other sources than this program, so that their states would differ; `cargo xtask kernel` makes them anew"
     )]
-    OtherSources {
-        /// The file.
-        path: PathBuf,
-    },
-    /// It doesn't fit into memory.
+    OtherSources { path: PathBuf },
     #[error(
         "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: take \
              fewer of them, or less memory"
     )]
     Memory {
-        /// The number of vehicles.
         vehicles: usize,
-        /// The number of tasks.
         tasks: usize,
         /// MB that are needed.
         needed: u64,
         /// MB that are free.
         free: u64,
     },
-    /// What is sent can't be read by the kernels.
     #[error(
         "the kernels can't use this setting: they are of another version than this program; `cargo xtask kernel` makes them"
     )]
     Setting,
-    /// A setting can't be written.
     #[error("the setting can't be sent: {0}")]
     Encode(String),
-    /// An argument has the wrong length.
     #[error("{what} has {given} rows, but there are {wanted} vehicles")]
-    Length {
-        /// The argument.
-        what: &'static str,
-        /// Its length.
-        given: usize,
-        /// The number of vehicles.
-        wanted: usize,
-    },
-    /// A command isn't a finite number.
+    Length { what: &'static str, given: usize, wanted: usize },
     #[error("the controls of vehicle {vehicle} have a number that is not finite")]
-    Controls {
-        /// The vehicle.
-        vehicle: usize,
-    },
-    /// There is no such task.
+    Controls { vehicle: usize },
     #[error("vehicle {vehicle} is to begin task {task}, but there are {tasks} tasks, counted from 0")]
-    Task {
-        /// The vehicle.
-        vehicle: usize,
-        /// The task.
-        task: usize,
-        /// How many there are.
-        tasks: usize,
-    },
-    /// It computes other states than the CPU.
+    Task { vehicle: usize, task: usize, tasks: usize },
     #[error(
         "{differ} of {of} vehicles come to other states on this GPU than on the CPU: don't use it for this, and report it with its \
              name and its driver's version"
     )]
-    Differ {
-        /// Vehicles whose states differ.
-        differ: usize,
-        /// Vehicles that were compared.
-        of: usize,
-    },
-    /// CUDA says that something failed.
+    Differ { differ: usize, of: usize },
     #[error("{doing}: {message}{}", hint(message))]
-    Cuda {
-        /// What was being done.
-        doing: &'static str,
-        /// What CUDA says.
-        message: String,
-    },
+    Cuda { doing: &'static str, message: String },
 }
 
 /// What is most likely wrong where a launch fails.

@@ -76,16 +76,13 @@ pub struct Arrays {
     pub faults: u64,
 }
 
-/// Where a task begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// The number of its world among those of the setting.
     pub world: usize,
-    /// The vehicle's pose.
     pub pose: Pose2,
 }
 
-/// The kernels.
 struct Kernels {
     start: CudaFunction,
     reset: CudaFunction,
@@ -268,7 +265,6 @@ impl Fleet {
         Ok(fleet)
     }
 
-    /// The number of vehicles.
     #[must_use]
     pub fn vehicles(&self) -> usize {
         self.vehicles
@@ -292,9 +288,6 @@ impl Fleet {
 
     /// Lets vehicles begin the tasks that have been written to [`Arrays::resets`]. What else this process does on the GPU is
     /// waited for.
-    ///
-    /// # Errors
-    /// Returns an error if the GPU fails.
     pub fn reset_as_told(&mut self) -> Result<(), GpuError> {
         self.wait("a reset")?;
         self.each_group(&self.kernels.reset, 0, None, "a reset")?;
@@ -316,9 +309,6 @@ impl Fleet {
 
     /// Drives all vehicles on by so many steps, and looks where they are then. What else this process does on the GPU is waited
     /// for, so that controls may be written there.
-    ///
-    /// # Errors
-    /// Returns an error if the GPU fails.
     pub fn advance(&mut self, steps: u64) -> Result<(), GpuError> {
         self.wait("a step")?;
         let Kernels { drive, look, collide, observe, .. } = &self.kernels;
@@ -334,9 +324,6 @@ impl Fleet {
     }
 
     /// The state of each vehicle when it was last looked at: the numbers of [`STATE`].
-    ///
-    /// # Errors
-    /// Returns an error if the GPU fails.
     pub fn states(&self) -> Result<Vec<[f64; STATE.len()]>, GpuError> {
         let numbers = self.stream.clone_dtoh(&self.states).map_err(cuda("reading states"))?;
         let (rows, _) = numbers.as_chunks();
@@ -360,17 +347,11 @@ impl Fleet {
     }
 
     /// [`vb_kernel::fleet::FINE`] for each vehicle, or what is wrong with it.
-    ///
-    /// # Errors
-    /// Returns an error if the GPU fails.
     pub fn faults(&self) -> Result<Vec<u32>, GpuError> {
         self.stream.clone_dtoh(&self.faults).map_err(cuda("reading faults"))
     }
 
     /// The hash of all states of each vehicle since it began its task, every 10 ms, as records of runs have it.
-    ///
-    /// # Errors
-    /// Returns an error if the GPU fails.
     pub fn hashes(&self) -> Result<Vec<u64>, GpuError> {
         self.stream.clone_dtoh(&self.hashes).map_err(cuda("reading hashes"))
     }
@@ -443,7 +424,6 @@ fn shape(count: u64, lanes: u32) -> LaunchConfig {
     LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (lanes, 1, 1), shared_mem_bytes: slots }
 }
 
-/// The GPU of this number.
 fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
     // The first call of all: CUDA is initialised by it.
     let found = match CudaContext::new(0) {
@@ -457,7 +437,6 @@ fn open(device: usize) -> Result<Arc<CudaContext>, GpuError> {
     CudaContext::new(device).map_err(cuda("opening the GPU"))
 }
 
-/// What kind of a GPU it is.
 fn kind(context: &CudaContext) -> Result<Gpu, GpuError> {
     let capability = context.compute_capability().map_err(cuda("asking for the GPU's kind"))?;
     Ok(Gpu { name: context.name().unwrap_or_default(), capability })

@@ -1,7 +1,7 @@
 //! What a step costs beyond the planner's own work when the planner is in a process of its own: a C planner that returns
 //! at once.
 
-#![allow(missing_docs, clippy::unwrap_used, reason = "a bench")]
+#![allow(clippy::unwrap_used, reason = "a bench")]
 
 use std::path::Path;
 use std::process::Command;

@@ -16,7 +16,6 @@ pub struct PlannerFault {
     pub step: Option<u64>,
     /// The simulated time of that step, s; `None` during `init`.
     pub time: Option<f64>,
-    /// The cause of the fault.
     pub cause: FaultCause,
 }
 
@@ -44,31 +43,21 @@ impl PlannerFault {
     }
 }
 
-/// The causes of a [`PlannerFault`].
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FaultCause {
     /// The planner computed longer than it may in one call.
     #[error("used up its {budget} units of fuel")]
-    OutOfFuel {
-        /// The fuel that it had for the call.
-        budget: u64,
-    },
+    OutOfFuel { budget: u64 },
     /// The planner computed longer than it may in all of a task.
     #[error("used up its task's {budget} units of fuel")]
-    OutOfTaskFuel {
-        /// The fuel that it had for the task.
-        budget: u64,
-    },
-    /// The planner wanted more memory than it may have, was refused, and gave up.
+    OutOfTaskFuel { budget: u64 },
     #[error("wanted {wanted} {what}, it may have {limit}")]
     OutOfMemory {
-        /// The resource of which it wanted more.
         what: Resource,
-        /// The amount that it would have had then.
+        /// The amount with the request granted.
         wanted: u64,
-        /// The amount that it may have.
         limit: u64,
     },
     /// The planner's process had no memory left and gave up.
@@ -77,7 +66,6 @@ pub enum FaultCause {
         /// The memory that it may have, bytes; `None` for a command, which the harness sets no limit.
         limit: Option<u64>,
     },
-    /// The planner's calls were nested more deeply than its stack allows.
     #[error("overflowed its stack{}{}", of_bytes(*.limit), in_functions(.backtrace))]
     StackOverflow {
         /// The stack that it may have, bytes; `None` if it was the stack that its compiler keeps in its own memory.
@@ -91,7 +79,6 @@ pub enum FaultCause {
         /// The stack that the system lets it have, bytes; `None` if that isn't known.
         limit: Option<u64>,
     },
-    /// The planner's WebAssembly code trapped.
     #[error("trapped: {message}{}", in_functions(.backtrace))]
     Trap {
         /// The engine's text.
@@ -99,7 +86,6 @@ pub enum FaultCause {
         /// The innermost functions, the failing one first.
         backtrace: Vec<String>,
     },
-    /// The planner panicked.
     #[error("{message}")]
     Panic {
         /// The text of the panic: `panicked at FILE:LINE:COLUMN: TEXT`.
@@ -107,23 +93,16 @@ pub enum FaultCause {
     },
     /// The planner's `step` returned an error.
     #[error("returned an error: {message}")]
-    Error {
-        /// The planner's text.
-        message: String,
-    },
+    Error { message: String },
     /// The planner's `init` returned an error.
     #[error("returned an error: {message}")]
-    InitFailed {
-        /// The planner's text.
-        message: String,
-    },
+    InitFailed { message: String },
     /// The planner's command holds a value that there isn't.
     #[error("{message}")]
     BadCommand {
         /// The field, its value, and what there is.
         message: String,
     },
-    /// A number of the planner's command is not finite.
     #[error("{field} is {value}; a command must be finite")]
     InvalidOutput {
         /// The field of the command: `steering`, `throttle` or `brake`.
@@ -131,49 +110,29 @@ pub enum FaultCause {
         /// The value of the field: `NaN`, `inf` or `-inf`.
         value: String,
     },
-    /// The result of a call is larger than it may be.
     #[error("its result takes more than the {limit} bytes that a call may hand over")]
     OutputTooLarge {
         /// The greatest size that the result may have, bytes.
         limit: u64,
     },
-    /// The planner used something that planners don't get.
     #[error("used {import}, which planners don't get")]
-    ImportDenied {
-        /// The name of the function or service.
-        import: String,
-    },
+    ImportDenied { import: String },
     /// The worker's plugin speaks another version of the interface than the one it was loaded with.
     #[error("speaks another version of the planner interface: {message}")]
-    AbiMismatch {
-        /// A text on what differs.
-        message: String,
-    },
-    /// The planner's process ended.
+    AbiMismatch { message: String },
     #[error("{how}")]
-    Crashed {
-        /// The way in which it ended.
-        how: ProcessEnd,
-    },
-    /// The planner's process didn't answer.
+    Crashed { how: ProcessEnd },
     #[error("gave no answer within {limit_ms} ms of wall-clock time")]
     Hung {
         /// The wall-clock time that it had, ms.
         limit_ms: u64,
     },
-    /// The planner's process sent something that the protocol doesn't know.
     #[error("broke the protocol: {message}")]
-    Protocol {
-        /// A text on what was wrong.
-        message: String,
-    },
+    Protocol { message: String },
     /// The operating system refused what the host needs to run the planner, address space for instance. The planner is
     /// not to blame.
     #[error("the machine refused what the host needs: {message}")]
-    Machine {
-        /// The system's text.
-        message: String,
-    },
+    Machine { message: String },
     /// A WASM call took more wall-clock time than any fuel can explain. Fuel is what judges a planner, so this is the
     /// machine's fault, or a bug of the harness.
     #[error("the call took more than {limit_ms} ms of wall-clock time although it had fuel left")]
@@ -183,10 +142,7 @@ pub enum FaultCause {
     },
     /// The process that runs native planners can't be started or confined.
     #[error("the planner's process can't be run: {message}")]
-    Worker {
-        /// A text on what failed.
-        message: String,
-    },
+    Worker { message: String },
 }
 
 impl FaultCause {
@@ -263,7 +219,7 @@ impl FaultCause {
             Self::Trap { backtrace, .. } if backtrace.is_empty() => {
                 "no function is known: it may be in what a call handed over, so look at pointers, lengths and texts of results"
             }
-            Self::Trap { .. } => "look at the functions named; run --debug shows more of them",
+            Self::Trap { .. } => "look at the functions named; run --verbose shows more of them",
             Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => {
                 "the planner's own code reported this error: see there, or run check --plugin on it"
@@ -317,13 +273,10 @@ impl fmt::Display for Resource {
     }
 }
 
-/// The way in which a process ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ProcessEnd {
-    /// It was ended by a signal of this number.
     Signal(i32),
-    /// It ended by itself, with this exit code.
     Exit(i32),
     /// It was ended by the harness, since it closed its output and stayed.
     Mute,
@@ -371,7 +324,7 @@ fn of_bytes(limit: Option<u64>) -> String {
 }
 
 fn in_functions(backtrace: &[String]) -> String {
-    /// More than these are for --debug.
+    /// More than these are for --verbose.
     const SHOWN: usize = 5;
     if backtrace.is_empty() {
         return String::new();

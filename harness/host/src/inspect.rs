@@ -11,7 +11,6 @@ use crate::abi::{self, AbiVersion};
 use crate::{Limits, LoadError, hint};
 use vb_files::{one_line, printable};
 
-/// What a plugin is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     Component,
@@ -39,9 +38,6 @@ pub fn inspect(path: &Path) -> Result<Metadata, LoadError> {
 
 /// The names of what a WASM plugin imports, in their order: the interfaces of a component, or the modules of a core
 /// module. The list is empty for a native library. Nothing of the plugin is run or compiled.
-///
-/// # Errors
-/// As [`inspect`].
 pub fn imports(path: &Path) -> Result<Vec<String>, LoadError> {
     let file = read(path, Limits::default().module_bytes)?;
     let mut names: Vec<String> = Vec::new();

@@ -59,17 +59,12 @@ impl Default for Limits {
     }
 }
 
-/// A limit that makes no sense.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {value} is not between {low} and {high}")]
 pub struct LimitsError {
-    /// The name of the limit.
     pub field: &'static str,
-    /// The value of the limit.
     pub value: u64,
-    /// The least value that is possible.
     pub low: u64,
-    /// The greatest value that is possible.
     pub high: u64,
 }
 

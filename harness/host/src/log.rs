@@ -6,7 +6,6 @@ use vb_sdk::LogLevel;
 
 use vb_files::printable;
 
-/// What is done with a line.
 type Take = dyn FnMut(LogLevel, &str) + Send;
 
 /// A sink that takes the log lines of one session.
@@ -18,7 +17,6 @@ impl LogSink {
         Self(Box::new(f))
     }
 
-    /// A sink that drops every line.
     #[must_use]
     pub fn discard() -> Self {
         Self::new(|_, _| {})

@@ -16,7 +16,6 @@ use crate::native::{self, ProcessOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
 
-/// The kind of a plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PluginKind {
@@ -80,9 +79,6 @@ impl Plugin {
     }
 
     /// Loads a plugin as [`Plugin::load`] does, with a choice of the program for the processes.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Plugin::load`].
     pub fn load_with(
         path: &Path,
         limits: &Limits,
@@ -126,13 +122,11 @@ impl Plugin {
         }
     }
 
-    /// The version of the planner interface that the plugin speaks.
     #[must_use]
     pub fn abi(&self) -> AbiVersion {
         self.0.abi
     }
 
-    /// The plugin's metadata: what it says about itself.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.0.metadata
@@ -145,7 +139,6 @@ impl Plugin {
         &self.0.sha256
     }
 
-    /// The kind of the plugin.
     #[must_use]
     pub fn kind(&self) -> PluginKind {
         match self.0.code {
@@ -155,7 +148,6 @@ impl Plugin {
         }
     }
 
-    /// The limits of the plugin's sessions.
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.0.limits
@@ -270,9 +262,7 @@ pub struct FuelMeter {
     pub init: u64,
     /// The fuel for all steps together.
     pub steps: u64,
-    /// The fuel for the last step.
     pub last_step: u64,
-    /// The fuel for the step that used most.
     pub max_step: u64,
 }
 

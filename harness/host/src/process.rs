@@ -27,7 +27,6 @@ const GRACE: Duration = Duration::from_millis(500);
 pub(crate) enum Trouble {
     /// The process ended, or closed its output.
     Gone,
-    /// It didn't answer in time.
     Late,
     /// What it sent is no answer.
     Nonsense(FrameError),
@@ -37,7 +36,6 @@ pub(crate) enum Trouble {
     System(io::Error),
 }
 
-/// How a process ended.
 #[derive(Clone, Debug)]
 pub(crate) struct End {
     pub(crate) how: ProcessEnd,
@@ -61,7 +59,6 @@ pub(crate) struct Process {
     limit: usize,
     /// Whether its system calls are filtered.
     is_filtered: bool,
-    /// Whether it has got a request.
     was_asked: bool,
 }
 
@@ -220,7 +217,6 @@ impl Process {
         }
     }
 
-    /// Whether the process is there.
     pub(crate) fn is_alive(&mut self) -> bool {
         self.child.ended().is_none()
     }

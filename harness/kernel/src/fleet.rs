@@ -68,9 +68,7 @@ pub const GO_ON: u32 = u32::MAX;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Fleet {
-    /// The number of vehicles.
     pub vehicles: u64,
-    /// The number of tasks.
     pub tasks: u64,
     /// The heaps: one for what all share, one for each task, and one for each vehicle.
     pub heaps: [*mut u8; 3],
@@ -141,7 +139,6 @@ enum Of {
 }
 
 impl Fleet {
-    /// The heap of this kind and number.
     fn heap(&self, of: Of) -> (*mut u8, u64) {
         let (kind, number) = match of {
             Of::All => (0, 0),

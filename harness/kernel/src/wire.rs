@@ -10,9 +10,7 @@ use vb_world::{Density, Elevation, Heightfield, Obstacle, Semantics, Terrain, Wo
 pub struct Setting {
     /// The vehicle, which was checked.
     pub vehicle: VehicleSpec,
-    /// The soils.
     pub soils: SoilSet,
-    /// How the simulations are stepped.
     pub options: SimOptions,
     /// The worlds, at the vehicle's scale.
     pub worlds: Vec<Place>,
@@ -69,9 +67,6 @@ impl From<Place> for World {
 
 impl Setting {
     /// The bytes that are sent. Numbers keep all their bits.
-    ///
-    /// # Errors
-    /// Returns an error if a part can't be written, which none of ours is.
     pub fn to_bytes(&self) -> Result<Vec<u8>, rmp_serde::encode::Error> {
         rmp_serde::to_vec_named(self)
     }

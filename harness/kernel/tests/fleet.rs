@@ -36,7 +36,6 @@ fn soils() -> SoilSet {
         .expect("they are valid")
 }
 
-/// What each vehicle is told.
 fn controls(vehicle: usize) -> Controls {
     if vehicle == 1 {
         return Controls { steering: 1.0, throttle: 1.0, brake: 0.0, gear: Gear::Forward };

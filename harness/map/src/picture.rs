@@ -56,7 +56,6 @@ pub struct Pictures(pub [Vec<u8>; LAYERS.len()]);
 pub struct Sources([String; LAYERS.len()]);
 
 impl Sources {
-    /// In the page itself.
     #[must_use]
     pub fn inline(pictures: &Pictures) -> Self {
         Self(pictures.0.each_ref().map(|png| data_uri(png)))

@@ -50,7 +50,6 @@ pub fn digits(ticks: &[f64]) -> usize {
 pub struct Frame {
     /// Width of the picture, in its own units.
     pub width: f64,
-    /// Its height.
     pub height: f64,
     /// Width of the margin at the left.
     pub left: f64,

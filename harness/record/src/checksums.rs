@@ -56,7 +56,6 @@ impl Checksums {
         Ok(Some(Self { sums }))
     }
 
-    /// Adds the checksum of `bytes`.
     pub(crate) fn add(&mut self, name: &str, bytes: &[u8]) {
         self.sums.insert(name.into(), sha256(bytes).into());
     }
@@ -82,7 +81,6 @@ impl Checksums {
         text
     }
 
-    /// Whether there is one of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.sums.contains_key(name)
     }

@@ -31,7 +31,7 @@ pub struct DebugEntry {
     pub time: f64,
     /// The name of the series.
     pub name: Arc<str>,
-    /// The values of the series.
+    /// The values, in the order in which the planner sent them; at least one.
     pub values: Vec<f32>,
 }
 
@@ -74,13 +74,13 @@ impl DebugSeries {
         self.values.extend_from_slice(values);
     }
 
-    /// Tells whether nothing was sent.
+    /// Tells whether no values are kept.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// The number of values that were dropped.
+    /// The number of values that were dropped because they exceed the bounds.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.dropped

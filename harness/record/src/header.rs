@@ -26,9 +26,9 @@ pub struct SuiteHeader {
 /// The planner of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PluginHeader {
-    /// The planner's name.
+    /// The planner's name, as its metadata state it.
     pub name: String,
-    /// The planner's version.
+    /// The planner's version, as its metadata state it.
     pub version: String,
     /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
@@ -43,7 +43,7 @@ pub struct PluginHeader {
     /// The sensors that the planner got, as its metadata name them, e.g. `lidar 10`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,
-    /// The confinement of the process of a native planner.
+    /// The confinement of the planner's process; `None` unless the planner is native.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxHeader>,
 }

@@ -6,6 +6,8 @@
 //! ([`DebugSeries`]), and at the end `summary.json`. The crate knows nothing of rules: records and summaries are
 //! whatever its callers serialise.
 
+#![deny(missing_docs)]
+
 mod bounded;
 mod checksums;
 mod debug;

@@ -19,7 +19,6 @@ use parquet::schema::types::{ColumnPath, Type};
 use crate::StoreError;
 use crate::bounded::{ParquetBounds, read_parquet};
 
-/// A column's values.
 pub(crate) enum Column {
     F64(Vec<f64>),
     F32(Vec<f32>),
@@ -113,7 +112,6 @@ impl Table {
         Ok(Self { reader })
     }
 
-    /// The value of a metadata entry.
     pub(crate) fn meta(&self, path: &Path, key: &str) -> Result<&str, StoreError> {
         let entries = self.reader.metadata().file_metadata().key_value_metadata();
         entries
@@ -122,7 +120,6 @@ impl Table {
             .ok_or_else(|| damaged(path, format!("no metadata entry {key:?}")))
     }
 
-    /// Names of the columns.
     pub(crate) fn columns(&self) -> Vec<String> {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         schema.columns().iter().map(|c| c.name().to_owned()).collect()

@@ -145,12 +145,10 @@ pub(crate) fn is_number(kind: u8) -> bool {
     matches!(kind, I16 | I32 | I64)
 }
 
-/// Whether a field's or element's kind is that of structs.
 pub(crate) fn is_struct(kind: u8) -> bool {
     kind == STRUCT
 }
 
-/// Whether a field's kind is that of lists.
 pub(crate) fn is_list(kind: u8) -> bool {
     kind == LIST
 }

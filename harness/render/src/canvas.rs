@@ -22,17 +22,14 @@ fn rgb(colour: Colour) -> Paint {
     u32::from(colour[0]) << 16 | u32::from(colour[1]) << 8 | u32::from(colour[2])
 }
 
-/// The paint of a solid's face.
 pub(crate) fn solid(colour: Colour) -> Paint {
     SOLID | rgb(colour)
 }
 
-/// The paint of a beacon.
 pub(crate) fn beacon(colour: Colour) -> Paint {
     BEACON | rgb(colour)
 }
 
-/// The paint of a mark on the ground.
 pub(crate) fn mark(colour: Colour) -> Paint {
     MARK | rgb(colour)
 }
@@ -47,7 +44,6 @@ pub(crate) enum Seen {
     Mark(Colour),
 }
 
-/// Tells what a paint stands for.
 #[inline]
 pub(crate) fn seen(paint: Paint) -> Seen {
     let colour = [(paint >> 16) as u8, (paint >> 8) as u8, paint as u8];
@@ -108,7 +104,6 @@ struct Run {
 }
 
 impl Canvas {
-    /// An empty canvas.
     pub(crate) fn new(camera: Camera) -> Self {
         let [width, height] = camera.samples;
         // An even number, since a pixel may have two rows.

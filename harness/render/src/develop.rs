@@ -24,7 +24,6 @@ pub(crate) struct Grain {
 /// Squares along a side of the finest noise, a power of two; the side of one, m in a world of full size.
 const GRAINS: usize = 512;
 const FINE: f32 = 0.05;
-/// The number of levels.
 const LEVELS: usize = 5;
 /// Squares of coarser noise are so many times as long.
 const COARSE: usize = 8;
@@ -96,7 +95,6 @@ pub(crate) struct Look<'a> {
     pub(crate) grain: &'a Grain,
     /// A metre of the world of full size, m.
     pub(crate) unit: f32,
-    /// The vehicle's shadow.
     pub(crate) shadow: &'a Shadow,
     pub(crate) change: Option<&'a Change<'a>>,
 }

@@ -12,7 +12,6 @@ use crate::develop::{APART, Developer, Grain, OPACITY, Place, ROUGHNESS, trodden
 use crate::light::{HAZE, Shadow};
 use crate::texture::{Texture, shaded};
 
-/// The number of pixels.
 pub(crate) const EIGHT: usize = 8;
 
 /// A number for each of the pixels.

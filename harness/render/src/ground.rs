@@ -60,7 +60,6 @@ impl Ground {
         Self { blocks }
     }
 
-    /// Draws the ground.
     pub(crate) fn draw(&self, canvas: &mut Canvas, field: &Heightfield) {
         let camera = canvas.camera;
         let seen: Vec<(&Block, usize)> = self

@@ -21,7 +21,6 @@ const LEAST: [f64; 3] = [1.6, 1.8, 2.2];
 /// How high marks lie above the ground, m in a world of full size.
 const LIFT: f64 = 0.04;
 
-/// Draws marks on a canvas.
 pub(crate) struct Marks<'a> {
     pub(crate) field: &'a Heightfield,
     /// A metre of the world of full size, m.
@@ -35,18 +34,15 @@ impl Marks<'_> {
         (WIDTHS[which] * self.unit).max(self.pixel.map_or(0.0, |p| LEAST[which] * p))
     }
 
-    /// The planned path.
     pub(crate) fn path(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
         self.band(canvas, points.iter().copied(), 1.9 * self.width(0), OUTLINE);
         self.band(canvas, points.iter().copied(), self.width(0), PATH);
     }
 
-    /// The trail driven so far.
     pub(crate) fn trail(&self, canvas: &mut Canvas, points: &[[f64; 3]], colour: Option<Colour>) {
         self.band(canvas, points.iter().map(|p| [p[0], p[1]]), self.width(1), colour.unwrap_or(TRAIL));
     }
 
-    /// The ring around the goal.
     pub(crate) fn ring(&self, canvas: &mut Canvas, goal: [f64; 2], radius: f64) {
         const STEPS: usize = 72;
         if radius.is_finite() && radius > 0.0 {

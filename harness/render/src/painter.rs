@@ -30,9 +30,7 @@ const SMALL: f64 = 12.0;
 /// The size of a picture in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// The number of columns.
     pub width: u32,
-    /// The number of rows.
     pub height: u32,
 }
 
@@ -62,7 +60,6 @@ pub type Change<'a> = dyn Fn(f64, f64) -> Option<f64> + 'a;
 /// What is drawn into the world at one instant.
 #[derive(Clone, Copy)]
 pub struct Moment<'a> {
-    /// The state of the vehicle.
     pub state: &'a VehicleState,
     /// The angles by which the wheels have turned since the start, rad, positive when rolling forward; in the order of
     /// the state's wheels. Wheels without an angle stand still.

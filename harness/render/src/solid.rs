@@ -22,7 +22,6 @@ impl Face {
         (b - a).cross(&(c - a)).try_normalize(0.0)
     }
 
-    /// The same triangle elsewhere.
     pub(crate) fn placed(&self, turn: &UnitQuaternion<f64>, to: &V3) -> Self {
         Self { corners: self.corners.each_ref().map(|p| turn * p + to), colour: self.colour }
     }

@@ -157,7 +157,6 @@ fn mix(a: u32, b: u32, share: u32) -> u32 {
     part(a, b) | part(a >> 8, b >> 8) << 8
 }
 
-/// The light at every node.
 fn node_light(field: &Heightfield) -> Vec<f32> {
     let (rows, cols, resolution) = (field.rows(), field.cols(), field.resolution());
     let (_, high) = field.range();

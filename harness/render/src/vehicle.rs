@@ -19,7 +19,6 @@ const AXLE: Colour = [70, 72, 76];
 /// Sides of a wheel; spokes take two of them.
 const SIDES: usize = 20;
 
-/// What a vehicle looks like.
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
     model: VehicleModel,

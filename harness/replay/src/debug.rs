@@ -111,7 +111,6 @@ impl PlannerSeries {
         Self { entries: kept, stride }
     }
 
-    /// The lines at each time.
     pub(crate) fn lines(&self) -> Vec<Lines<'_>> {
         let mut costs: BTreeMap<(u64, &str), &[f32]> = BTreeMap::new();
         for e in &self.entries {
@@ -153,7 +152,6 @@ impl PlannerSeries {
         curves
     }
 
-    /// For the page.
     pub(crate) fn json(&self) -> Value {
         let round = |v: f64| (v * 1000.0).round() / 1000.0;
         let mut lines: BTreeMap<&str, Vec<Value>> = BTreeMap::new();

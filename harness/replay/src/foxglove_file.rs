@@ -75,9 +75,6 @@ pub const RUN_COLOURS: [[u8; 3]; 8] = [
 /// global path, start and goal), `/tf` (chassis and wheels), and of each run, `/runN` its vehicle (`vehicle`), odometry
 /// (`odometry`), angles and commands (`state`), what its sensors measured (`lidar`, `depth`, `local_map`, `estimate`, `gnss`, `imu`), the
 /// planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`). `path` is what the file is called in errors.
-///
-/// # Errors
-/// If the file can't be written.
 pub fn write_mcap(replay: &Replay, file: File, path: &Path) -> Result<(), ReplayError> {
     let fail = |detail: String| ReplayError::Mcap { path: path.to_owned(), detail };
     let context = Context::new();

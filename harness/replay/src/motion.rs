@@ -82,13 +82,11 @@ pub enum Repeat {
 /// The motion of one trial.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    /// Whether it is a repeated simulation.
     pub repeat: Repeat,
     /// The vehicle's state and commands, frame by frame.
     pub frames: Vec<Sample>,
     /// The steering of each frame after the rate limit, in [-1, 1], positive to the left; from samples, the command.
     pub steering: Vec<f64>,
-    /// Number of wheels.
     pub wheels: usize,
     /// `frames.len() * wheels` entries: the wheels of the first frame, those of the second, …
     pub wheel_frames: Vec<WheelFrame>,
@@ -104,13 +102,9 @@ pub struct Motion {
 pub struct Setting<'a> {
     /// The world, scaled.
     pub world: &'a Arc<World>,
-    /// The task.
     pub task: &'a Task,
-    /// The vehicle.
     pub vehicle: &'a VehicleModel,
-    /// The soils.
     pub soils: &'a SoilSet,
-    /// How the simulation was stepped.
     pub options: SimOptions,
 }
 

@@ -11,7 +11,6 @@ const SCRIPT: &str = include_str!("../assets/replay.min.js");
 const STYLE: &str = include_str!("../web/src/replay.css");
 const BODY: &str = include_str!("../web/src/body.html");
 
-/// Another page that a page leads to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Link {
     /// What it is called, e.g. the name of a task.
@@ -25,9 +24,7 @@ pub struct Link {
 pub struct Links {
     /// The page that lists this one.
     pub report: Option<Link>,
-    /// The replay before this one.
     pub previous: Option<Link>,
-    /// The replay after it.
     pub next: Option<Link>,
 }
 
@@ -52,7 +49,6 @@ pub fn script() -> &'static str {
     SCRIPT
 }
 
-/// What the file of [`script`] is called.
 pub const SCRIPT_FILE: &str = "replay.js";
 
 /// What a page shows whose script isn't where it should be; the script takes it away.

@@ -19,18 +19,14 @@ use crate::sensed::Sensed;
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
 const NODES: usize = 513;
 
-/// One run of the task.
 #[derive(Clone, Debug)]
 pub struct ReplayRun {
-    /// What the run is called.
     pub label: String,
     /// The line of tasks.jsonl.
     pub record: TaskRecord,
     /// The rules by which the task was judged; none where they are unknown.
     pub rules: Option<Rules>,
-    /// The vehicle.
     pub vehicle: Arc<VehicleSpec>,
-    /// How it moved.
     pub motion: Motion,
     /// What the planner sent.
     pub series: PlannerSeries,
@@ -43,9 +39,7 @@ pub struct ReplayRun {
 pub struct Replay {
     /// The world, scaled as it was simulated.
     pub world: Arc<World>,
-    /// The task.
     pub task: Task,
-    /// Name of the suite.
     pub suite: String,
     /// Whether the task has a goal: an exploration has none, and its task's goal is where it began.
     pub has_goal: bool,

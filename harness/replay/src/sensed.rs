@@ -39,28 +39,21 @@ impl Sensors {
 /// What the sensors measured in one trial, each in the order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Sensed {
-    /// The lidar, if there is one.
     pub lidar: Option<LidarInfo>,
-    /// The depth camera, if there is one.
     pub depth: Option<DepthInfo>,
-    /// The scans of the lidar.
     pub scans: Vec<LidarScan>,
-    /// The images of the depth camera.
     pub images: Vec<DepthImage>,
     /// The local map each time that it was brought up to date.
     pub maps: Vec<LocalMap>,
     /// The estimates of the pose with their times, s; ten a second.
     pub poses: Vec<(f64, Pose)>,
-    /// The positions from satellites.
     pub fixes: Vec<GnssFix>,
-    /// The measurements of the inertial measurement unit.
     pub imu: Vec<ImuSample>,
     /// Whether the estimate of the pose is the truth.
     pub exact: bool,
 }
 
 impl Sensed {
-    /// What these sensors measure, nothing yet.
     #[must_use]
     pub(crate) fn new(perception: &Perception) -> Self {
         let (lidar, depth) = (perception.lidar_info(), perception.depth_info());
@@ -84,7 +77,6 @@ impl Sensed {
         }
     }
 
-    /// Whether there is nothing to be shown.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let nothing = self.scans.is_empty() && self.images.is_empty() && self.maps.is_empty();

@@ -13,9 +13,8 @@ use vb_score::BOOTSTRAP_SEED;
 /// A figure's difference between two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// What differs.
     pub measure: Measure,
-    /// Number of tasks that have it in both runs.
+    /// Number of tasks that have the measure in both runs.
     pub tasks: u64,
     /// Number of worlds in which the sum over those tasks differs: what the deciding test goes by.
     pub worlds: usize,
@@ -63,7 +62,6 @@ pub struct Pair {
     pub differences: Vec<Difference>,
 }
 
-/// The comparison of two or more runs.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// Pairs of runs, all with all.
@@ -115,7 +113,6 @@ fn common<'a>(a: &'a Run, b: &'a Run) -> impl Iterator<Item = (&'a Row, &'a Row)
     })
 }
 
-/// The number of worlds in which two runs have common tasks.
 pub(crate) fn common_worlds(runs: &Runs, a: usize, b: usize) -> usize {
     let worlds = common(&runs.runs[a], &runs.runs[b]).map(|(row, _)| row.world);
     worlds.collect::<std::collections::BTreeSet<u32>>().len()

@@ -26,7 +26,6 @@ impl Failure {
         }
     }
 
-    /// In how many tasks it is so.
     pub(crate) fn count(self, figures: &Figures) -> u64 {
         match self {
             Self::Cause(cause) => figures.caused(cause),
@@ -39,7 +38,6 @@ impl Failure {
         }
     }
 
-    /// The outcome that such a task has.
     pub(crate) fn outcome(self) -> Outcome {
         match self {
             Self::Cause(cause) if cause.name().starts_with("rollover") => Outcome::Rollover,
@@ -69,9 +67,7 @@ pub(crate) struct Group<'a> {
     pub(crate) split: Option<Split>,
     /// Their name: a run's label, or a level.
     pub(crate) name: String,
-    /// Their run.
     pub(crate) run: usize,
-    /// Their figures.
     pub(crate) figures: &'a Figures,
     /// Whether they are all tasks of the run.
     pub(crate) whole: bool,

@@ -22,7 +22,6 @@ impl Measure {
     /// All, in the order of the paper's figure.
     pub const ALL: [Self; 4] = [Self::Success, Self::Time, Self::Roll, Self::Pitch];
 
-    /// What it is called.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -78,14 +77,12 @@ impl Measure {
 /// A mean, with its interval where there are two worlds or more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The mean.
     pub mean: f64,
     /// Its 95 % interval by the bootstrap over worlds.
     pub interval: Option<Interval>,
 }
 
 impl Estimate {
-    /// The estimate of the same with the other sign.
     #[must_use]
     pub(crate) fn negated(self) -> Self {
         // 0 has no sign.
@@ -170,7 +167,6 @@ impl Figures {
         Self { tasks, worlds: found, outcomes, flags, ride, causes, means }
     }
 
-    /// A mean.
     #[must_use]
     pub fn mean(&self, measure: Measure) -> Option<Estimate> {
         self.means[measure as usize]
@@ -188,13 +184,11 @@ impl Figures {
         self.flagged(flag).map(|n| 100.0 * n as f64 / self.tasks.max(1) as f64)
     }
 
-    /// How many tasks were stopped by this.
     #[must_use]
     pub fn caused(&self, cause: Cause) -> u64 {
         Cause::ALL.iter().position(|c| *c == cause).map_or(0, |k| self.causes[k])
     }
 
-    /// How many tasks ended so.
     #[must_use]
     pub fn count(&self, outcome: Outcome) -> u64 {
         self.outcomes[outcome.index()]
@@ -215,11 +209,8 @@ fn mean(clusters: &[Ratio], interval: Option<Interval>) -> Option<Estimate> {
 /// A label of worlds by which figures are split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// By elevation level.
     Elevation,
-    /// By kind of ground.
     Terrain,
-    /// By obstacle density.
     Density,
 }
 
@@ -227,7 +218,6 @@ impl Split {
     /// All, in the order of the paper's figure.
     pub const ALL: [Self; 3] = [Self::Elevation, Self::Terrain, Self::Density];
 
-    /// What it is called.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -237,7 +227,6 @@ impl Split {
         }
     }
 
-    /// The names of its levels.
     #[must_use]
     pub fn levels(self) -> Vec<&'static str> {
         match self {
@@ -247,7 +236,6 @@ impl Split {
         }
     }
 
-    /// A world's level.
     #[must_use]
     pub fn level(self, world: &WorldLabels) -> &'static str {
         match self {
@@ -258,10 +246,8 @@ impl Split {
     }
 }
 
-/// All figures of one run.
 #[derive(Clone, Debug)]
 pub struct RunFigures {
-    /// Over all tasks.
     pub all: Figures,
     /// By each split, its levels in order; levels without tasks have figures without means.
     pub splits: [Vec<(&'static str, Figures)>; Split::ALL.len()],
@@ -270,7 +256,6 @@ pub struct RunFigures {
 }
 
 impl RunFigures {
-    /// The figures of one of `runs`.
     #[must_use]
     pub fn new(runs: &Runs, run: &Run) -> Self {
         let count = runs.worlds.len();

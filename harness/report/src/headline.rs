@@ -122,7 +122,6 @@ fn listed(mut first: Vec<String>, all: usize) -> String {
     }
 }
 
-/// A number of tasks.
 fn tasks(n: u64) -> String {
     format!("{} {}", grouped(n), if n == 1 { "task" } else { "tasks" })
 }

@@ -56,7 +56,6 @@ fn mean(e: Option<Estimate>, measure: Measure, best: bool) -> String {
     e.interval.map_or_else(|| shown.clone(), |i| format!("{shown} [{}, {}]", v(i.low), v(i.high)))
 }
 
-/// The head of a measure's column.
 fn head(measure: Measure) -> &'static str {
     match measure {
         Measure::Success => "success, \\%",
@@ -66,7 +65,6 @@ fn head(measure: Measure) -> &'static str {
     }
 }
 
-/// The unit of a measure's difference.
 fn difference_unit(measure: Measure) -> &'static str {
     match measure {
         Measure::Success => "points",

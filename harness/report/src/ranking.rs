@@ -40,7 +40,6 @@ pub struct Ranking {
 }
 
 impl Ranking {
-    /// Ranks the runs of a comparison, whose figures are given.
     #[must_use]
     pub fn new(figures: &[RunFigures], comparison: &Comparison) -> Self {
         let n = figures.len();
@@ -61,7 +60,6 @@ impl Ranking {
         Self { places }
     }
 
-    /// That of a run alone.
     #[must_use]
     pub fn alone() -> Self {
         Self { places: vec![Place { run: 0, rank: 1, last: 1, ties: Vec::new() }] }

@@ -22,7 +22,6 @@ pub struct Beside {
     pub files: Vec<String>,
 }
 
-/// Runs with their figures and comparison.
 #[derive(Clone, Debug)]
 pub struct Report {
     pub(crate) runs: Runs,
@@ -65,7 +64,6 @@ impl Report {
         self
     }
 
-    /// The runs.
     #[must_use]
     pub fn runs(&self) -> &Runs {
         &self.runs

@@ -23,14 +23,12 @@ pub struct Angles {
     pub mean: f64,
     /// Variance of it.
     pub variance: f64,
-    /// The greatest.
     pub max: f64,
 }
 
 /// What is kept of a trial's measures; units as in [`vb_score::Metrics`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measures {
-    /// Number of samples.
     pub samples: u64,
     /// Of |roll|.
     pub roll: Angles,
@@ -48,7 +46,6 @@ pub struct Measures {
     pub steering_rate: f64,
 }
 
-/// What is kept of a planner's fuel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fuel {
     /// For start-up and `init`.
@@ -68,11 +65,9 @@ pub struct Fuel {
 /// A finished task. It takes some hundred bytes, so that the rows of a million tasks fit into memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Name of the task.
     pub task: Box<str>,
     /// Its world, an index into [`Runs::worlds`].
     pub world: u32,
-    /// How it ended.
     pub outcome: Outcome,
     /// What stopped the vehicle, if it rolled over or got stuck.
     pub cause: Option<Cause>,
@@ -106,25 +101,17 @@ impl Row {
     }
 }
 
-/// A world with its labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldLabels {
-    /// Its name.
     pub name: String,
-    /// Elevation level.
     pub elevation: Elevation,
-    /// Kind of ground.
     pub terrain: Terrain,
-    /// Obstacle density.
     pub density: Density,
 }
 
-/// One run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Its directory.
     pub dir: PathBuf,
-    /// What was run.
     pub header: RunHeader,
     /// What the run is called: the planner's name, with what it takes to tell it from the others.
     pub label: String,
@@ -133,7 +120,6 @@ pub struct Run {
 }
 
 impl Run {
-    /// The rows that count.
     pub fn counted(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|r| r.counts())
     }

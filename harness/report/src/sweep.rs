@@ -19,22 +19,15 @@ use crate::runs::one_line;
 use crate::table::no_formula;
 use crate::{Report, ReportError, Runs};
 
-/// A run of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepRow {
-    /// The name of the run.
     pub run: String,
-    /// Its directory.
     pub dir: PathBuf,
     /// What its planner is called in the sweep, with its parameters.
     pub planner: String,
-    /// The name of the vehicle.
     pub vehicle: String,
-    /// The name of the perception profile.
     pub perception: String,
-    /// The seed.
     pub seed: u64,
-    /// The result.
     pub summary: Summary,
 }
 
@@ -142,7 +135,6 @@ impl Sweep {
         Ok(Self { name: name.to_owned(), rows, planners, settings })
     }
 
-    /// The runs.
     #[must_use]
     pub fn rows(&self) -> &[SweepRow] {
         &self.rows
@@ -306,9 +298,6 @@ impl Sweep {
     }
 
     /// A line for each run, as CSV with a header.
-    ///
-    /// # Errors
-    /// Returns an error of the writer.
     pub fn csv(&self) -> Result<String, csv::Error> {
         csv_of(&self.rows)
     }

@@ -23,7 +23,6 @@ const GROUP: usize = 20_000;
 /// The names and values of a row.
 type Row<'a> = Vec<(Cow<'static, str>, Cell<'a>)>;
 
-/// A value of a row.
 enum Cell<'a> {
     Text(Cow<'a, str>),
     Number(Option<f64>),
@@ -114,9 +113,6 @@ pub(crate) fn no_formula(text: &str) -> Cow<'_, str> {
 
 /// Writes every task of every run as CSV (RFC 4180) with a header. What is missing is empty; texts that begin like a
 /// formula get an apostrophe in front. `path` is what the file is called in errors.
-///
-/// # Errors
-/// If a run can't be read or the file can't be written.
 pub fn write_csv(runs: &Runs, file: impl Write, path: &Path) -> Result<(), ReportError> {
     let fail = ReportError::write::<csv::Error>(path);
     let mut writer = csv::Writer::from_writer(file);
@@ -145,9 +141,6 @@ enum Column {
 
 /// Writes every task of every run as a Parquet file (snappy): texts as strings, measures as DOUBLE and counts as INT64,
 /// null where they are missing. `path` is what the file is called in errors.
-///
-/// # Errors
-/// If a run can't be read or the file can't be written.
 pub fn write_parquet(runs: &Runs, file: impl Write + Send, path: &Path) -> Result<(), ReportError> {
     let fail = ReportError::write::<ParquetError>(path);
     let mut file = Some(BufWriter::new(file));

@@ -23,10 +23,7 @@ pub enum Verdict {
         needed: usize,
     },
     /// The p-value would hold if this were the only pair, but not as one of many.
-    Uncorrected {
-        /// How many pairs there are.
-        pairs: usize,
-    },
+    Uncorrected { pairs: usize },
     /// They can't be told apart.
     Undecided,
 }

@@ -54,7 +54,6 @@ fn near(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 3)
 }
 
-/// The value of an attribute of an element.
 fn attribute(element: &str, name: &str) -> Option<f64> {
     element.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok()
 }

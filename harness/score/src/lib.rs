@@ -6,6 +6,8 @@
 //! one pass and a fixed order, so that the same samples give the same bits; only shock and ride ([`Ride`]), which decide
 //! no outcome, are measured at every step of the simulation.
 
+#![deny(missing_docs)]
+
 pub mod cause;
 mod conditions;
 mod flag;

@@ -159,7 +159,6 @@ impl Accumulator {
         (self.roll.max, self.pitch.max)
     }
 
-    /// The latest sample.
     pub(crate) fn last(&self) -> Option<&Sample> {
         self.last.as_ref()
     }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use vb_record::RunHeader;
 
-/// Version of the layout of a rule file.
 const SCHEMA: u32 = 1;
 
 /// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied; times

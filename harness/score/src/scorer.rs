@@ -133,7 +133,7 @@ impl Scorer {
         self.verdict.as_ref()
     }
 
-    /// The verdict so far.
+    /// The verdict; `None` while no rule has decided.
     #[must_use]
     pub fn verdict(&self) -> Option<&Verdict> {
         self.verdict.as_ref()

@@ -21,7 +21,7 @@ pub struct Summary {
     pub harness_version: String,
     /// The name of the suite.
     pub suite: String,
-    /// The hash of the suite.
+    /// The hash of the suite's content (hex).
     pub suite_hash: String,
     /// Name and version of the planner.
     pub planner: String,
@@ -37,7 +37,7 @@ pub struct Summary {
     pub seed: u64,
     /// The name of the rules applied.
     pub rules: String,
-    /// The hash of the rules applied.
+    /// The hash of the content of the rules applied (hex).
     pub rules_hash: String,
     /// The settings that aren't the benchmark's ([`Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be compared
     /// with results without them.

@@ -8,7 +8,6 @@ use vb_math::rng::Stream;
 /// What names the streams of a trial: the run's seed and the full name of the task, e.g. `w001/t03`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seed {
-    /// The seed of the run.
     pub run: u64,
     /// The full name of the task.
     pub task: String,
@@ -100,7 +99,6 @@ impl GaussMarkov {
         Self { keep, fresh: std * (1.0 - keep * keep).sqrt(), value, stream }
     }
 
-    /// The present value.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value
@@ -129,7 +127,6 @@ impl RandomWalk {
         Self { rate, value: start, stream }
     }
 
-    /// The present value.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.value
@@ -162,7 +159,6 @@ impl Outage {
         Self { to_out: leave / all * changed, to_up: back / all * changed, out: false, stream }
     }
 
-    /// Tells whether it is out now.
     #[must_use]
     pub fn is_out(&self) -> bool {
         self.out

@@ -22,10 +22,8 @@ use vb_sdk::{DepthImage, DepthInfo, GnssFix, ImuSample, LidarInfo, LidarScan, Lo
 use vb_sim::VehicleState;
 use vb_vehicle::VehicleSpec;
 
-/// The truth at a sample.
 #[derive(Clone, Copy)]
 pub struct Truth<'a> {
-    /// The vehicle's state.
     pub state: &'a VehicleState,
     /// The ruts on soft soil, which a [`vb_sim::Simulation`] tells; `None` if there are none.
     pub ruts: Option<&'a dyn Ruts>,
@@ -46,7 +44,6 @@ pub struct Readings {
     pub lidar: Option<LidarScan>,
     /// The last image of the depth camera.
     pub depth: Option<DepthImage>,
-    /// The map of the surroundings.
     pub local_map: Option<LocalMap>,
 }
 

@@ -20,7 +20,6 @@ pub struct SimOptions {
     pub step: f64,
     /// The longest time that the vehicle may take to come to rest before the clock starts, s.
     pub settle_time: f64,
-    /// The way in which the vehicle comes to the ground at the start.
     pub start: Start,
     /// The side of the cells in which the soil remembers ruts, at scale 1, m. It is scaled with the world.
     pub soil_resolution: f64,
@@ -460,7 +459,6 @@ impl Simulation {
         self.steps as f64 * self.options.step
     }
 
-    /// The number of steps since the start.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps
@@ -486,7 +484,6 @@ impl Simulation {
         }
     }
 
-    /// The world in which the vehicle is.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
@@ -515,7 +512,6 @@ impl Simulation {
         self.soil.grid.resolution()
     }
 
-    /// The present state of the vehicle.
     #[must_use]
     pub fn state(&self) -> VehicleState {
         let (vehicle, body) = (&self.vehicle, self.vehicle.body());

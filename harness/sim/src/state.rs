@@ -31,7 +31,6 @@ pub struct Controls {
     pub gear: Gear,
 }
 
-/// The state of one wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelState {
     /// The spin, rad/s, positive when rolling forward.

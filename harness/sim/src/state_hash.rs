@@ -20,7 +20,6 @@ impl StateHash {
         self.0 = (self.0 ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
     }
 
-    /// The hash.
     #[must_use]
     pub fn value(&self) -> u64 {
         let mixed = (self.0 ^ (self.0 >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);

@@ -23,7 +23,6 @@ use crate::verdict::{Finding, Findings};
 /// Of a document that says the same, but in other bytes.
 const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
 
-/// Of a file that isn't there.
 const MISSING: &str = "is missing";
 /// The beginning of what is said of a file above its limit.
 const TOO_LARGE: &str = "is larger than";
@@ -48,19 +47,14 @@ pub struct Submission {
 /// only where all else is as it should be ([`verify`](crate::verify)).
 #[derive(Clone, Debug)]
 pub struct Expected<'a> {
-    /// The suite.
     pub suite: &'a Suite,
     /// The SHA-256 of the plugin's file, hexadecimal.
     pub plugin_sha256: &'a str,
-    /// The vehicle.
     pub vehicle: &'a Vehicle,
-    /// The soils.
     pub soils: &'a Soils,
-    /// The perception profile.
     pub perception: &'a Profile,
     /// The suites, vehicles and soils that may be ranked.
     pub shipped: &'a Shipped,
-    /// The version of the harness.
     pub harness_version: &'a str,
 }
 
@@ -85,13 +79,11 @@ impl Submission {
         Ok(Self { dir: dir.to_owned(), manifest, bytes })
     }
 
-    /// The manifest of the submission.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The manifest of the submission, by itself.
     #[must_use]
     pub fn into_manifest(self) -> Manifest {
         self.manifest
@@ -103,13 +95,11 @@ impl Submission {
         files::sha256(&self.bytes)
     }
 
-    /// The folder of the submission.
     #[must_use]
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// The run directory in the submission.
     #[must_use]
     pub fn run_dir(&self) -> PathBuf {
         self.dir.join(RUN)

@@ -63,11 +63,8 @@ pub struct OpenReason {
 /// A suite that comes with the harness.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShippedSuite {
-    /// The name of the suite.
     pub name: String,
-    /// The hash of the suite's content.
     pub hash: String,
-    /// The number of the suite's tasks.
     pub tasks: u64,
 }
 
@@ -83,9 +80,7 @@ pub struct ShippedVehicle {
 /// The suites, vehicles and soils that come with the harness and may be ranked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shipped {
-    /// The suites.
     pub suites: Vec<ShippedSuite>,
-    /// The vehicles by name.
     pub vehicles: BTreeMap<String, ShippedVehicle>,
     /// The SHA-256 of the default soils.
     pub soils: String,

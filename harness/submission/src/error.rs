@@ -12,146 +12,57 @@ use vb_runner::RunError;
 /// error but a [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SubmissionError {
-    /// The operating system refused an operation on a file that is read.
     #[error("cannot read {}: {source} (is the path right?)", .path.display())]
-    Read {
-        /// The file or directory.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: io::Error,
-    },
-    /// A file can't be written.
+    Read { path: PathBuf, source: io::Error },
     #[error("cannot write {}: {source} (choose another place, or free some space)", .path.display())]
-    Write {
-        /// The file or directory.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: io::Error,
-    },
-    /// The run is a part of a larger one.
+    Write { path: PathBuf, source: io::Error },
     #[error("{} is shard {index} of {of} of a run (join the shards with merge first)", .path.display())]
-    Shard {
-        /// The run directory.
-        path: PathBuf,
-        /// The number of the shard.
-        index: u32,
-        /// The number of shards.
-        of: u32,
-    },
-    /// The directory to be written holds something else.
+    Shard { path: PathBuf, index: u32, of: u32 },
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     NotEmpty(PathBuf),
-    /// A file, a line or a number of files is larger than what is read.
     #[error("{}: {what} beyond {limit} (no submission that this harness makes is so large)", .path.display())]
     TooLarge {
-        /// The file or directory.
         path: PathBuf,
         /// The thing that is too large, e.g. `a file of more bytes`.
         what: &'static str,
-        /// The greatest size that is read.
         limit: u64,
     },
     /// Something lies in a submission that may not: a link, a name that isn't plain.
     #[error("{}: {what} (a submission holds the files that `submit` writes and nothing else)", .path.display())]
-    Unsafe {
-        /// The place where it lies.
-        path: PathBuf,
-        /// The kind of thing that it is.
-        what: &'static str,
-    },
-    /// There is no submission in the directory.
+    Unsafe { path: PathBuf, what: &'static str },
     #[error("{} holds no submission: submission.json is missing (give the directory that `submit --out` named)", .0.display())]
     NoSubmission(PathBuf),
-    /// A file is of a version that this harness doesn't read.
     #[error("{}: schema {found} is not supported, this version reads up to {supported} (use the version that wrote it)", .path.display())]
-    Schema {
-        /// The path of the file.
-        path: PathBuf,
-        /// The schema version of the file.
-        found: u64,
-        /// The newest schema version that is read.
-        supported: u32,
-    },
-    /// A file is not what it should be.
+    Schema { path: PathBuf, found: u64, supported: u32 },
     #[error("{}: {detail} (take the file as `vb-harness` wrote it)", .path.display())]
-    Damaged {
-        /// The path of the file.
-        path: PathBuf,
-        /// A text on what is wrong.
-        detail: String,
-    },
-    /// The results are of another version of the harness, which may drive otherwise.
+    Damaged { path: PathBuf, detail: String },
     #[error("{} was made by version {made} of the harness, this is {this} (use version {made}, or run it again with this one)", .path.display())]
-    Version {
-        /// The run or submission.
-        path: PathBuf,
-        /// The version that made them.
-        made: String,
-        /// The version of this harness.
-        this: String,
-    },
-    /// The run isn't finished.
+    Version { path: PathBuf, made: String, this: String },
     #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed by the machine (go on with it by run --resume)", .path.display())]
-    Unfinished {
-        /// The run directory.
-        path: PathBuf,
-        /// The number of tasks without a result.
-        missing: u64,
-        /// The number of tasks of the run.
-        tasks: u64,
-    },
-    /// The run was made with something else than what is at hand.
+    Unfinished { path: PathBuf, missing: u64, tasks: u64 },
     #[error("run {}: its {what} is {recorded}, this one is {found} (name the one of the run)", .path.display())]
     Other {
-        /// The run directory.
         path: PathBuf,
         /// The thing that differs, e.g. `plugin`.
         what: &'static str,
-        /// The hash in the run.
         recorded: String,
-        /// The hash at hand.
         found: String,
     },
-    /// A command can't be submitted.
     #[error("a command can't be submitted: nobody else has what it starts (build the planner as WASM)")]
     Command,
-    /// What the entrant says about himself can't be shown.
     #[error("{field}: {problem}")]
-    Entrant {
-        /// The option that holds it.
-        field: &'static str,
-        /// A text on what is wrong.
-        problem: String,
-    },
-    /// A task whose replay is wanted has no trace.
+    Entrant { field: &'static str, problem: String },
     #[error("--replays: {task}: {problem}")]
-    Replay {
-        /// The name of the task.
-        task: String,
-        /// A text on what is wrong.
-        problem: String,
-    },
+    Replay { task: String, problem: String },
     /// The machine failed while tasks were driven again: nothing is known of the submission.
     #[error(
         "the machine failed {failed} of the tasks that were driven again, {example} for one (verify it again)"
     )]
-    Machine {
-        /// The number of such tasks.
-        failed: usize,
-        /// The first of them.
-        example: String,
-    },
-    /// The verification was stopped.
+    Machine { failed: usize, example: String },
     #[error("stopped before all tasks were driven again (verify it again)")]
     Interrupted,
-    /// A folder of a leaderboard can't be shown.
     #[error("entry {}: {problem}", .dir.display())]
-    Entry {
-        /// The folder.
-        dir: PathBuf,
-        /// A text on what is wrong, and what to do.
-        problem: String,
-    },
+    Entry { dir: PathBuf, problem: String },
     /// A run can't be read.
     #[error(transparent)]
     Store(#[from] StoreError),

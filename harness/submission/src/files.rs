@@ -13,15 +13,12 @@ pub(crate) use vb_files::sha256;
 
 use crate::SubmissionError;
 
-/// The manifest's name.
 pub(crate) const MANIFEST: &str = "submission.json";
 /// The verdict's name: it is the verifier's, not the entrant's.
 pub(crate) const VERDICT: &str = "verification.json";
 /// Scores on a hidden suite, which the owner puts beside.
 pub(crate) const HOLDOUT: &str = "holdout.json";
-/// The run directory in a submission.
 pub(crate) const RUN: &str = "run";
-/// The report in a submission.
 pub(crate) const REPORT: &str = "report.html";
 
 /// Most bytes of a JSON document; the manifest of a million tasks is half of it.
@@ -213,9 +210,6 @@ pub(crate) fn empty_dir(dir: &Path) -> Result<(), SubmissionError> {
 }
 
 /// The SHA-256 of a regular file, hexadecimal.
-///
-/// # Errors
-/// Returns an error if the file can't be read or is something else.
 pub fn sha256_file(path: &Path) -> Result<String, SubmissionError> {
     let mut file = BufReader::new(vb_files::open(path).map_err(SubmissionError::read(path))?);
     let mut hasher = Hash::new();

@@ -24,15 +24,11 @@ const OWN_CHOICE: usize = 4;
 /// The things that a submission is made of.
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
-    /// The suite of the run.
     pub suite: &'a Suite,
-    /// The plugin of the run.
     pub plugin: &'a Plugin,
     /// The suites, vehicles and soils that may be ranked.
     pub shipped: &'a Shipped,
-    /// The version of the harness.
     pub harness_version: &'a str,
-    /// The person or group who enters.
     pub entrant: Entrant,
     /// The tasks whose traces are carried along; `None` means the first task of each outcome, four at most.
     pub replays: Option<Vec<String>>,
@@ -140,9 +136,6 @@ struct Survey {
 }
 
 /// Checks that a submission can carry the replays of all these tasks.
-///
-/// # Errors
-/// Returns an error if there are too many tasks.
 pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
     match wanted {
         [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {

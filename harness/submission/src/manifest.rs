@@ -10,7 +10,6 @@ use vb_score::{Group, Outcome, Rules, TaskRecord};
 use crate::SubmissionError;
 use crate::division::{Division, OpenReason};
 
-/// The version of the layout of a submission.
 pub const SUBMISSION_SCHEMA: u32 = 1;
 
 /// The person or group who enters, in their own words. Nobody checks them: they are shown and decide nothing.
@@ -76,7 +75,6 @@ impl Entrant {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskEntry {
-    /// The outcome of the task.
     pub outcome: Outcome,
     /// The simulated time at the end of the task, s.
     pub time_s: f64,
@@ -96,9 +94,7 @@ impl From<&TaskRecord> for TaskEntry {
 pub struct Manifest {
     /// The version of the layout, [`SUBMISSION_SCHEMA`].
     pub schema: u32,
-    /// The person or group who enters.
     pub entrant: Entrant,
-    /// The division in which the results are listed.
     pub division: Division,
     /// The reasons why the division is the open one; empty if it isn't.
     pub open_because: Vec<OpenReason>,
@@ -114,7 +110,6 @@ pub struct Manifest {
     pub results: Option<Group>,
     /// The tasks whose traces are carried along for replays. They are always among those that are driven again.
     pub replays: Vec<String>,
-    /// The entries of all tasks.
     pub tasks: BTreeMap<String, TaskEntry>,
     /// The SHA-256 (hexadecimal) of every other file, by its name.
     pub files: BTreeMap<String, String>,

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use vb_report::{Estimate, Measure, RunFigures, Runs};
 use vb_score::{Flag, Outcome};
 
-/// The version of the layout of scores.
 pub const SCORES_SCHEMA: u32 = 1;
 
 /// The figures over all tasks of a suite that stays hidden. There is nothing in them of a single task or world, nothing
@@ -17,27 +16,19 @@ pub const SCORES_SCHEMA: u32 = 1;
 pub struct Scores {
     /// The version of the layout, [`SCORES_SCHEMA`].
     pub schema: u32,
-    /// The version of the harness.
     pub harness_version: String,
     /// The name that the owner gives to the suite.
     pub suite: String,
     /// The name that the owner gives to this version of the suite.
     pub suite_version: String,
-    /// The name of the planner.
     pub planner: String,
-    /// The version of the planner.
     pub planner_version: String,
     /// The SHA-256 of the plugin.
     pub plugin_sha256: String,
-    /// The name of the vehicle.
     pub vehicle: String,
-    /// The name of the rules.
     pub rules: String,
-    /// The name of the perception profile.
     pub perception: String,
-    /// The number of tasks.
     pub tasks: u64,
-    /// The number of tasks by outcome.
     pub outcomes: BTreeMap<Outcome, u64>,
     /// The number of tasks of which each flag is true, whatever their outcome.
     pub flags: BTreeMap<Flag, u64>,

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::Division;
 
-/// The version of the layout of a verdict.
 pub const VERIFICATION_SCHEMA: u32 = 1;
 
 /// A statement of a submission that isn't true.
@@ -83,13 +82,11 @@ pub struct SampleTaken {
     pub tasks: Vec<String>,
 }
 
-/// A verdict on a submission.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Verification {
     /// The version of the layout, [`VERIFICATION_SCHEMA`].
     pub schema: u32,
-    /// The version of the harness that verified.
     pub harness_version: String,
     /// Whether nothing was found.
     pub verified: bool,
@@ -97,7 +94,6 @@ pub struct Verification {
     pub submission_sha256: String,
     /// The SHA-256 of the plugin that was driven.
     pub plugin_sha256: String,
-    /// The hash of the suite.
     pub suite_hash: String,
     /// The division by the rules.
     pub division: Division,

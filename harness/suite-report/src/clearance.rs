@@ -19,7 +19,6 @@ struct Body {
 /// A distance to an obstacle, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
-    /// Index of the obstacle.
     pub(crate) obstacle: usize,
     /// m; 0 where they touch.
     pub(crate) distance: f64,

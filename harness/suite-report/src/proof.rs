@@ -9,42 +9,20 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use vb_world::Suite;
 
-/// The version of the file that this build reads and writes.
 const SCHEMA: u32 = 1;
 /// The file in a suite's folder.
 const FILE: &str = "proof.json";
 
-/// The reason why a proof is of no use.
 #[derive(Debug, thiserror::Error)]
 pub enum ProofError {
-    /// The file can't be read or written.
     #[error("{}: {source}", path.display())]
-    File {
-        /// The path of the file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: std::io::Error,
-    },
-    /// The file is not a proof.
+    File { path: PathBuf, source: std::io::Error },
     #[error("{}: {problem}: make it anew with `vb-harness suite prove`", path.display())]
-    Damaged {
-        /// The path of the file.
-        path: PathBuf,
-        /// A text on what is wrong.
-        problem: String,
-    },
-    /// The proof is that of another suite.
+    Damaged { path: PathBuf, problem: String },
     #[error(
         "{}: is the proof of a suite with hash {found}, and this one has {expected}: make it anew with `vb-harness suite prove`", path.display()
     )]
-    OtherSuite {
-        /// The path of the file.
-        path: PathBuf,
-        /// The hash in the file.
-        found: String,
-        /// The hash of the suite.
-        expected: String,
-    },
+    OtherSuite { path: PathBuf, found: String, expected: String },
 }
 
 /// A data file that decided what happened, by name and hash.
@@ -61,13 +39,9 @@ pub struct Named {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conditions {
-    /// The version of the harness.
     pub harness_version: String,
-    /// The vehicle.
     pub vehicle: Named,
-    /// The soils.
     pub soils: Named,
-    /// The rules.
     pub rules: Named,
     /// The factor on every length of the worlds.
     pub scale: f64,
@@ -81,15 +55,11 @@ pub struct Conditions {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prover {
-    /// The name of the planner.
     pub planner: String,
-    /// The version of the planner.
     pub version: String,
     /// The hash of the planner's file (hex).
     pub sha256: String,
-    /// The parameters that were set.
     pub params: BTreeMap<String, String>,
-    /// The run's seed.
     pub seed: u64,
 }
 
@@ -105,16 +75,13 @@ pub struct Drive {
     pub state_hash: String,
 }
 
-/// The proof of a suite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Proof {
     schema: u32,
     /// The hash of the suite.
     pub suite: String,
-    /// The conditions under which the tasks were done.
     pub conditions: Conditions,
-    /// The planners that did them.
     pub provers: Vec<Prover>,
     /// The drives by task, `WORLD/TASK`.
     pub tasks: BTreeMap<String, Drive>,
@@ -157,7 +124,6 @@ impl Proof {
         self.tasks.len() - before
     }
 
-    /// The path at which the proof of a suite lies.
     #[must_use]
     pub fn path(suite: &Suite) -> PathBuf {
         suite.dir().join(FILE)
@@ -199,9 +165,6 @@ impl Proof {
     }
 
     /// Writes the proof, whole or not at all.
-    ///
-    /// # Errors
-    /// Returns an error if the proof can't be written.
     pub fn write(&self, path: &Path) -> Result<(), ProofError> {
         let failed = |source| ProofError::File { path: path.to_owned(), source };
         let part = path.with_extension("json.part");

@@ -30,21 +30,11 @@ impl Default for PathParams {
     }
 }
 
-/// The reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
-    /// A parameter makes no sense.
     #[error("path.{field}: {value} must be a {wanted} length in metres")]
-    Parameter {
-        /// The name of the field.
-        field: &'static str,
-        /// The value of the field.
-        value: f64,
-        /// A text on what the value must be.
-        wanted: &'static str,
-    },
-    /// The start or the goal is too close to an obstacle to be driven from or to.
+    Parameter { field: &'static str, value: f64, wanted: &'static str },
     #[error(
         "{end} {point:?} lies {distance:.2} m from obstacles[{obstacle}], closer than the clearance of {clearance} m: move one of them"
     )]
@@ -53,14 +43,12 @@ pub enum PathError {
         end: &'static str,
         /// The place (x, y) of that end, m.
         point: [f64; 2],
-        /// The index of the obstacle.
         obstacle: usize,
         /// The distance from the obstacle, m.
         distance: f64,
         /// The clearance that is wanted, m.
         clearance: f64,
     },
-    /// The start or the goal lies outside of the world.
     #[error("{end} {point:?} lies outside the world")]
     Outside {
         /// The end that is meant: `start` or `goal`.
@@ -68,7 +56,6 @@ pub enum PathError {
         /// The place (x, y) of that end, m.
         point: [f64; 2],
     },
-    /// The obstacles leave no way.
     #[error(
         "no way from {start:?} to {goal:?} keeps {clearance} m from every obstacle: move obstacles or lower the clearance"
     )]
@@ -83,9 +70,6 @@ pub enum PathError {
 }
 
 /// Plans a path from start to goal, as (x, y) waypoints in metres, for a single query; see [`Planner`].
-///
-/// # Errors
-/// Returns the errors of [`Planner::new`] and [`Planner::plan`]; see [`PathError`].
 pub fn plan(
     world: &World,
     start: [f64; 2],
@@ -127,9 +111,6 @@ pub struct Planner {
 
 impl Planner {
     /// Prepares to plan in a world.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter makes no sense.
     pub fn new(world: &World, params: &PathParams) -> Result<Self, PathError> {
         let wanted = |field, value: f64, low: f64, wanted| {
             if value.is_finite() && value >= low {

@@ -21,7 +21,6 @@ pub struct ParamsError {
     pub problem: String,
 }
 
-/// The flaw of a field.
 pub(crate) fn flaw(field: impl Into<String>, problem: impl Into<String>) -> ParamsError {
     ParamsError { field: field.into(), problem: problem.into() }
 }

@@ -40,13 +40,11 @@ struct Ended {
 }
 
 impl Layout {
-    /// The layout of a sweep in this folder.
     #[must_use]
     pub fn new(root: &Path) -> Self {
         Self { root: root.to_owned() }
     }
 
-    /// The folder.
     #[must_use]
     pub fn root(&self) -> &Path {
         &self.root
@@ -64,7 +62,6 @@ impl Layout {
         self.root.join("runs").join(name)
     }
 
-    /// Where the shards of a run lie.
     #[must_use]
     pub fn shards(&self, name: &str) -> PathBuf {
         self.root.join("shards").join(name)
@@ -77,9 +74,6 @@ impl Layout {
     }
 
     /// How far the run or the shard in a folder is; nothing is done if there is none.
-    ///
-    /// # Errors
-    /// Returns an error if it can't be read.
     pub fn state_of(&self, dir: &Path) -> Result<RunState, StoreError> {
         let mut state = RunState::default();
         if dir.join("run.json").is_file() {
@@ -89,9 +83,6 @@ impl Layout {
     }
 
     /// How far a run is, with what its shards have done if it isn't whole yet.
-    ///
-    /// # Errors
-    /// Returns an error if a run can't be read.
     pub fn state(&self, name: &str) -> Result<RunState, StoreError> {
         let whole = self.run(name);
         if whole.join("run.json").is_file() {

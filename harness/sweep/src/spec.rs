@@ -8,25 +8,20 @@ use vb_record::TraceMode;
 
 use crate::name::safe;
 
-/// The version of the layout of a file.
 const SCHEMA: u32 = 1;
 /// The most runs of a sweep.
 const MOST: usize = 100_000;
 
-/// A sweep can't be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {problem}")]
 pub struct SweepError {
-    /// The file.
     pub file: String,
-    /// The field, the value and what is wrong.
     pub problem: String,
 }
 
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
-    /// The name.
     pub name: String,
     /// The suite, as `--suite` takes it; `None` for the default.
     pub suite: Option<String>,
@@ -39,7 +34,6 @@ pub struct Spec {
     runs: Vec<PlannedRun>,
 }
 
-/// One run of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedRun {
     /// The name, which is that of its folder: `PLANNER,PARAMETER=VALUE--VEHICLE--PERCEPTION--SEED`.
@@ -48,13 +42,11 @@ pub struct PlannedRun {
     pub planner: String,
     /// The planner's file or command, as `--plugin` takes it.
     pub plugin: String,
-    /// The planner's parameters.
     pub params: BTreeMap<String, String>,
     /// The vehicle, as `--vehicle` takes it.
     pub vehicle: String,
     /// The perception profile, as `--perception` takes it.
     pub perception: String,
-    /// The seed.
     pub seed: u64,
 }
 
@@ -137,9 +129,6 @@ fn zero() -> Vec<u64> {
 
 impl Spec {
     /// Reads a sweep from a file. Files that it names by a path are looked for beside it.
-    ///
-    /// # Errors
-    /// Returns an error if the file can't be read, or makes no sense.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| SweepError {
@@ -150,9 +139,6 @@ impl Spec {
     }
 
     /// Reads a sweep from YAML; `file` is what errors call it, and `folder` where the files lie that it names by a path.
-    ///
-    /// # Errors
-    /// Returns an error if it makes no sense.
     pub fn from_yaml(file: &str, text: &str, folder: &Path) -> Result<Self, SweepError> {
         let flaw = |problem: String| SweepError { file: file.to_owned(), problem };
         let read: File = vb_world::yaml::parse(text).map_err(|e| flaw(e.to_string()))?;

@@ -100,7 +100,6 @@ pub struct Live<'a> {
 }
 
 impl<'a> Live<'a> {
-    /// Shows a vehicle.
     #[must_use]
     pub fn new(vehicle: &'a VehicleModel, to: Motion) -> Self {
         Self { vehicle, to, angles: vec![0.0; 2 * vehicle.axles().len()], last: 0.0 }

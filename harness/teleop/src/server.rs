@@ -26,22 +26,13 @@ const CONNECTIONS: usize = 16;
 /// How long the connection waits for the page before it looks for what is to be sent.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// The reason why there is no page.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TeleopError {
-    /// The port can't be had.
     #[error("cannot listen on port {port} of this machine: {source} (give another --port, or 0 for any)")]
-    Listen {
-        /// The port.
-        port: u16,
-        /// The reason.
-        source: std::io::Error,
-    },
-    /// The system has no random numbers for the address.
+    Listen { port: u16, source: std::io::Error },
     #[error("the system gives no random numbers for the page's address: {0}")]
     Random(getrandom::Error),
-    /// The system can't start a thread.
     #[error("cannot start a thread: {0}")]
     Thread(std::io::Error),
 }
@@ -55,11 +46,9 @@ pub enum Ask {
     Start(String),
     /// To give up the drive, which is not kept.
     Reset,
-    /// The page is gone.
     Gone,
 }
 
-/// A message of the page.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum FromPage {
@@ -88,7 +77,6 @@ enum Out {
     Binary(Vec<u8>),
 }
 
-/// The page's server.
 pub struct Server {
     shared: Arc<Shared>,
     asks: mpsc::Receiver<Ask>,
@@ -96,9 +84,6 @@ pub struct Server {
 
 impl Server {
     /// Serves a page on a port of this machine; 0 for any.
-    ///
-    /// # Errors
-    /// Returns an error if the port can't be had, or the system has no random numbers.
     pub fn start(page: String, port: u16, wheel: Wheel) -> Result<Self, TeleopError> {
         let listen = |source| TeleopError::Listen { port, source };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(listen)?;
@@ -140,7 +125,6 @@ impl Server {
         self.shared.send(Out::Text(message.to_string()));
     }
 
-    /// Where the motion goes.
     #[must_use]
     pub fn motion(&self) -> Motion {
         Motion(Arc::clone(&self.shared))
@@ -175,7 +159,6 @@ impl Drop for Place {
     }
 }
 
-/// What a request asks for.
 enum Wanted {
     Page,
     Drive(Box<Request<()>>),

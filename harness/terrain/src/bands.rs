@@ -33,7 +33,6 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.values.len() / self.cols.max(1)
@@ -152,7 +151,6 @@ impl Plane {
     }
 }
 
-/// A pass over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// For each octave, the finest first, the curve from its drawn heights to those of the scans.

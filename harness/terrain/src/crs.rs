@@ -23,7 +23,6 @@ pub struct Length {
 }
 
 impl Length {
-    /// The metre.
     #[must_use]
     pub fn metre() -> Self {
         Self { metres: 1.0, name: "m".into() }
@@ -115,7 +114,6 @@ impl Length {
 pub enum Vertical {
     /// Heights upwards in this unit.
     Height(Length),
-    /// Depths downwards.
     Depth,
 }
 
@@ -177,7 +175,6 @@ pub struct Crs {
 }
 
 impl Crs {
-    /// A system by its EPSG code.
     #[must_use]
     pub fn epsg(code: u16) -> Option<Self> {
         let definition = crs_definitions::from_code(code)?;

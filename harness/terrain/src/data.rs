@@ -20,17 +20,10 @@ const HELD_OUT: usize = 8;
 /// Why a folder of elevation data can't be learned from.
 #[derive(Debug, Error)]
 pub enum DataError {
-    /// A file can't be used.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The folder or its selection can't be read.
     #[error("{}: {problem}", path.display())]
-    Folder {
-        /// The folder or file.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: String,
-    },
+    Folder { path: PathBuf, problem: String },
 }
 
 /// Which parts of a folder to use (`terrain.yaml`).
@@ -70,11 +63,9 @@ pub struct Meaning {
 /// One file's part, ready to be learned from.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    /// The file's name.
     pub name: String,
     /// Whether it is held out from training.
     pub held_out: bool,
-    /// What was repaired.
     pub repaired: Repaired,
     /// Its samples at the model's resolution, once for each place that they can begin at.
     pub layers: Vec<Layer>,

@@ -122,7 +122,6 @@ struct Step {
     noise: bool,
 }
 
-/// The decoder with its weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Decoder {
     steps: Vec<Step>,

@@ -46,7 +46,6 @@ impl ElevationImage {
         &self.values
     }
 
-    /// The values, to be changed in place.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
@@ -84,7 +83,6 @@ impl ElevationImage {
             + part(r1, c1, v * u)
     }
 
-    /// Turns the order of the rows.
     pub fn flip_rows(&mut self) {
         let cols = self.cols;
         for r in 0..self.rows / 2 {
@@ -93,7 +91,6 @@ impl ElevationImage {
         }
     }
 
-    /// Turns the order of the columns.
     pub fn flip_cols(&mut self) {
         self.values.chunks_exact_mut(self.cols).for_each(<[f64]>::reverse);
     }
@@ -109,7 +106,6 @@ impl ElevationImage {
         Self { rows, cols, values: (row..row + rows).flat_map(line).collect(), resolution: self.resolution }
     }
 
-    /// Number of holes.
     #[must_use]
     pub fn holes(&self) -> usize {
         self.values.iter().filter(|v| v.is_nan()).count()

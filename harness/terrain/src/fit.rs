@@ -43,9 +43,6 @@ fn measured(windows: impl Iterator<Item = Vec<f64>>) -> Bands {
 }
 
 /// Mean squares of surfaces with nodes at 1 m, each divided by its fraction of the full relief.
-///
-/// # Errors
-/// What is wrong with a surface.
 pub fn of_surfaces(surfaces: &[(Heightfield, f64)]) -> Result<Bands, String> {
     for (h, _) in surfaces {
         if h.rows().min(h.cols()) < WINDOW || (h.resolution() - RESOLUTION).abs() > 1e-9 {
@@ -65,9 +62,6 @@ pub fn of_surfaces(surfaces: &[(Heightfield, f64)]) -> Result<Bands, String> {
 
 /// The shaping, with the curve of `start`, with which `count` surfaces, of `seed` and the seeds after it, have these mean squares at full relief. `progress` hears after
 /// each round of the ratio of the root mean squares, drawn to wanted, by band.
-///
-/// # Errors
-/// What is wrong with the model.
 pub fn fit(
     model: &Model,
     wanted: &Bands,

@@ -56,13 +56,10 @@ pub struct Request {
     pub fraction: f64,
 }
 
-/// Why no surface was drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum GenerateError {
-    /// Too few or too many nodes.
     #[error("{0} nodes along a side: must be {min} to {max}", min = NODES[0], max = NODES[1])]
     Nodes(usize),
-    /// The resolution is none, or far finer than what the model knows.
     #[error("a resolution of {resolution} m: must be at least {least} m, as the model's own is {own} m")]
     Resolution {
         /// The resolution asked for, m.
@@ -72,7 +69,6 @@ pub enum GenerateError {
         /// The model's, m.
         own: f64,
     },
-    /// The surface is larger than memory should be taken for.
     #[error(
         "{extent_m} m along a side at the model's own resolution of {own} m are too many samples: make it smaller"
     )]
@@ -82,7 +78,6 @@ pub enum GenerateError {
         /// The model's resolution, m.
         own: f64,
     },
-    /// The relief is no share.
     #[error("a share of {0} of the relief: must be above 0 and at most 100")]
     Share(f64),
 }
@@ -94,18 +89,12 @@ impl Model {
     /// height is that of the ground at its place, whatever the resolution: nothing is averaged where the resolution is coarser, since that
     /// would flatten ledges, so a coarser surface holds every so many-th node of a finer one. Heights have mean 0 and the
     /// model's standard deviation times the share, over many surfaces.
-    ///
-    /// # Errors
-    /// [`GenerateError`] if the request makes no sense.
     pub fn surface(&self, request: &Request) -> Result<Heightfield, GenerateError> {
         self.shaped(request, None)
     }
 
     /// Draws a surface whose wavelengths are shaped before nodes are taken. Heights have the standard deviation of the shaping
     /// times the fraction, over many surfaces.
-    ///
-    /// # Errors
-    /// [`GenerateError`] if the request makes no sense.
     pub fn shaped(&self, request: &Request, shaping: Option<&Shaping>) -> Result<Heightfield, GenerateError> {
         let own = self.header.resolution;
         for n in [request.rows, request.cols] {

@@ -14,9 +14,7 @@ use crate::shape::DECODER;
 
 /// Largest file that is taken for a model, bytes.
 const MAX_BYTES: u64 = 64 << 20;
-/// Version of the format.
 pub const SCHEMA: u32 = 2;
-/// The metadata's key.
 const KEY: &str = "vb-terrain";
 
 /// What of a model's card its reader needs.
@@ -25,25 +23,12 @@ struct Checksum {
     sha256: String,
 }
 
-/// Why a file is no model.
 #[derive(Debug, Error)]
 pub enum ModelError {
-    /// It can't be read.
     #[error("{}: can't be read: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It holds something else, or a part is missing or damaged.
+    Unreadable { path: PathBuf, source: std::io::Error },
     #[error("{}: {problem}: restore the file, or train the model again", path.display())]
-    NoModel {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        problem: String,
-    },
+    NoModel { path: PathBuf, problem: String },
 }
 
 /// What a model says of itself.
@@ -244,7 +229,6 @@ impl Model {
         self.decoder.run(cells, n)
     }
 
-    /// What the model says of itself.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header

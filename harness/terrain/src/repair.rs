@@ -10,7 +10,6 @@ const ALLIES: usize = 3;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const MAD: f64 = 1.4826;
 
-/// What a repair replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repaired {
     /// Samples that were too low.

@@ -46,7 +46,6 @@ pub struct Tile {
 }
 
 impl<'a> Tiles<'a> {
-    /// Cuts tiles out of scans.
     pub fn cut(scans: impl IntoIterator<Item = &'a Scan>, cut: Cut) -> Self {
         let scans: Vec<&Scan> = scans.into_iter().collect();
         let mut tiles = Self { scans, cut, places: Vec::new(), copies: 0 };
@@ -86,7 +85,6 @@ impl<'a> Tiles<'a> {
         self.places.len()
     }
 
-    /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()

@@ -110,9 +110,6 @@ impl Kind {
     }
 
     /// The surface as a file's bytes.
-    ///
-    /// # Errors
-    /// A fault of the library that encodes it.
     pub fn encode(self, surface: &Heightfield) -> std::io::Result<Vec<u8>> {
         match self {
             Self::Npy => npy(surface),

@@ -54,10 +54,8 @@ pub struct Ride {
     pub damping_ratio: [f64; 2],
 }
 
-/// One axle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxleCharacteristics {
-    /// Its name.
     pub name: String,
     /// Its ride; none for wheels that are fixed to the chassis, or that bear nothing.
     pub ride: Option<Ride>,
@@ -202,7 +200,6 @@ impl Characteristics {
         }
     }
 
-    /// The articulation over the wheelbase.
     #[must_use]
     pub fn articulation_over_wheelbase(&self) -> Option<f64> {
         Some(self.articulation_m? / self.wheelbase)

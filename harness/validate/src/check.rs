@@ -34,20 +34,15 @@ impl Kind {
     }
 }
 
-/// What a figure should be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
     /// Within a distance of a value, both in the figure's unit.
     Within {
-        /// The reference.
         value: f64,
-        /// Greatest distance from it.
         tolerance: f64,
     },
-    /// No less.
     AtLeast(f64),
-    /// No more.
     AtMost(f64),
     /// No less than the first and no more than the second.
     Between(f64, f64),
@@ -75,11 +70,8 @@ impl Expected {
 /// What one figure of one event should be, and who says so.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Expectation {
-    /// Name of the figure.
     pub figure: String,
-    /// What it should be.
     pub expected: Expected,
-    /// Where that comes from.
     pub kind: Kind,
     /// The formula, publication or run, so that it can be looked up.
     pub source: String,
@@ -95,13 +87,10 @@ impl Expectation {
     }
 }
 
-/// How a check ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The figure is as expected.
     Pass,
-    /// It is not.
     Fail,
     /// The reference is unsound: shown, not judged.
     Shown,
@@ -110,16 +99,14 @@ pub enum Verdict {
 /// A figure beside one expectation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What was expected.
     #[serde(flatten)]
     pub expectation: Expectation,
     /// What was measured; none if the event has no such figure or did not get so far.
     pub measured: Option<f64>,
     /// The references in whose set-up it was measured ([`crate::Setup`]); none for the vehicle as it is.
     pub setup: Option<Kind>,
-    /// Unit of both.
+    /// Unit of the expected and of the measured value.
     pub unit: String,
-    /// The outcome.
     pub verdict: Verdict,
 }
 

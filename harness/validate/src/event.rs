@@ -34,7 +34,6 @@ impl<'a> Bench<'a> {
         Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model, standing: rest })
     }
 
-    /// Computes the vehicle's characteristics from its file.
     #[must_use]
     pub fn characteristics(&self) -> Characteristics {
         Characteristics::new(self)
@@ -69,18 +68,15 @@ impl<'a> Bench<'a> {
 /// The vehicles of which an event says something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vehicles {
-    /// All vehicles.
     All,
     /// Vehicles on wheels: the event is of tyres, of single wheels, or of wheels that roll without slip about one centre.
     Wheeled,
-    /// Vehicles on tracks.
     Tracked,
 }
 
 /// What the vehicle is on in an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Rigid ground.
     Rigid,
     /// Soil. There the set-up of a reference may be another than on rigid ground.
     Soil,
@@ -88,25 +84,19 @@ pub enum Place {
     Stand,
 }
 
-/// A standard event.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// Name on the command line and in files.
     pub name: &'static str,
-    /// Title for people.
     pub title: &'static str,
     /// What is driven, and what is asked of the vehicle.
     pub about: &'static str,
-    /// The vehicles of which it says something.
     pub vehicles: Vehicles,
-    /// What the vehicle is on.
     pub place: Place,
-    /// Drives it.
     pub(crate) run: fn(&Bench<'_>) -> Result<Outcome, SimError>,
 }
 
 impl Event {
-    /// Whether it says something of a vehicle.
     #[must_use]
     pub fn fits(&self, spec: &VehicleSpec) -> bool {
         match self.vehicles {
@@ -116,10 +106,6 @@ impl Event {
         }
     }
 
-    /// Drives the event.
-    ///
-    /// # Errors
-    /// Those of the simulation.
     pub fn run(&self, bench: &Bench<'_>) -> Result<Outcome, SimError> {
         (self.run)(bench)
     }
@@ -145,7 +131,6 @@ pub struct Outcome {
     pub theory: Vec<Expectation>,
     /// Time series, one a case.
     pub series: Vec<Series>,
-    /// What to draw.
     pub plots: Vec<Plot>,
     /// What a reader should know before judging.
     pub notes: Vec<String>,
@@ -182,7 +167,6 @@ impl Outcome {
         self.notes.push(text.into());
     }
 
-    /// The figure of this name.
     #[must_use]
     pub fn value(&self, name: &str) -> Option<f64> {
         self.figures.iter().find(|f| f.name == name).map(|f| f.value)
@@ -201,7 +185,6 @@ pub struct Series {
 }
 
 impl Series {
-    /// Index of the column of this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|c| c.0 == name)
@@ -234,33 +217,25 @@ impl Series {
     }
 }
 
-/// What a line of a plot stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
-    /// Our simulation.
     Ours,
     /// Our simulation in the set-up of a reference that is drawn beside it.
     Setup,
     /// A reference run or publication.
     Reference,
-    /// Theory, or the ideal.
     Theory,
 }
 
-/// One line of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// For the legend.
     pub label: String,
-    /// What it stands for.
     pub kind: LineKind,
-    /// Pairs of x and y.
     pub points: Vec<[f64; 2]>,
     /// Which of the plot's cases it belongs to: lines of one case have one colour.
     pub case: usize,
 }
 
-/// A plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Unique within its event.
@@ -292,7 +267,6 @@ impl Plot {
         ours.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p[0]), b.max(p[0])])
     }
 
-    /// Adds a line of a case.
     pub(crate) fn line(
         &mut self,
         kind: LineKind,

@@ -98,7 +98,6 @@ impl Geometry {
         self.axles[c.axle].wheel(side, [travel; 2], if c.steered { steering } else { 0.0 })
     }
 
-    /// Whether the steering moves this wheel.
     pub(crate) fn is_steered(&self, corner: usize) -> bool {
         self.corners[corner].steered
     }

@@ -5,7 +5,6 @@ use vb_math::{atan2, hypot};
 use vb_sim::{Controls, Gear, VehicleState};
 use vb_vehicle::VehicleSpec;
 
-/// What the driver wants.
 pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
     Controls {
         steering: steering.clamp(-1.0, 1.0),
@@ -15,7 +14,6 @@ pub(crate) fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
     }
 }
 
-/// The same in reverse.
 pub(crate) fn reverse(steering: f64, throttle: f64, brake: f64) -> Controls {
     Controls { gear: Gear::Reverse, ..controls(steering, throttle, brake) }
 }

@@ -24,17 +24,13 @@ pub struct References {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// Name of the event.
     pub event: String,
     /// Titles of the plots that show it.
     pub plots: Vec<String>,
-    /// What kind of reference it is.
     pub kind: Kind,
-    /// For the legend.
     pub label: String,
     /// The label of our line that it belongs to: both have one colour.
     pub beside: String,
-    /// Where it is from.
     pub source: String,
     /// Pairs of x and y in the plot's units.
     pub points: Vec<[f64; 2]>,
@@ -117,9 +113,6 @@ impl References {
     }
 
     /// Parses the text of a file; `file` names it in messages.
-    ///
-    /// # Errors
-    /// [`ValidateError::ReferencesInvalid`].
     pub fn parse(text: &str, file: &str, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
         let invalid = |field: String, reason: String| ValidateError::ReferencesInvalid {
             file: file.to_owned(),

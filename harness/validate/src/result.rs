@@ -6,7 +6,6 @@ use crate::event::{Event, Outcome};
 /// One event, driven and judged.
 #[derive(Clone, Debug)]
 pub struct EventResult {
-    /// The event.
     pub event: &'static Event,
     /// What it measured; empty if its simulation failed.
     pub outcome: Outcome,

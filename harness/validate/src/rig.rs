@@ -96,7 +96,6 @@ impl Drive {
         Ok(Self { sim, series, every })
     }
 
-    /// The state now.
     pub(crate) fn state(&self) -> VehicleState {
         self.sim.state()
     }

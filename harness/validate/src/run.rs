@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use vb_sim::{SimOptions, SoilSet};
 use vb_vehicle::VehicleSpec;
 
-/// What to run, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunOptions {
     /// Names of events; empty for all.

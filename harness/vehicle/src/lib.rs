@@ -7,6 +7,8 @@
 //!
 //! The body axes are x forward, y left, z up (ISO 8855). Units are SI, angles in radians.
 
+#![deny(missing_docs)]
+
 mod check;
 mod describe;
 mod error;

@@ -58,7 +58,6 @@ impl Functions {
         })
     }
 
-    /// Calls `init`.
     pub(crate) fn init(&self, task: &Task, mut log: Log<'_>) -> Result<*mut c_void, Failure> {
         let (mut arena, mut planner, mut error) = (Arena::default(), ptr::null_mut(), CError::default());
         let task = c::lower_task(task, &mut arena);

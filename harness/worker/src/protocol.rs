@@ -80,7 +80,6 @@ impl Reply {
     }
 }
 
-/// No fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Empty {}
 
@@ -120,9 +119,7 @@ pub struct Introduction {
     pub abi: String,
     /// The planner's name: `a-z`, `0-9`, `-` and `_`.
     pub name: String,
-    /// Its version.
     pub version: String,
-    /// Who made it.
     pub authors: Vec<String>,
     /// One sentence on what it does.
     pub about: String,
@@ -144,7 +141,6 @@ pub struct Introduction {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct WireParamSpec {
-    /// Name.
     pub key: String,
     /// Value when the user sets none.
     pub default: String,
@@ -152,10 +148,8 @@ pub struct WireParamSpec {
     pub help: String,
 }
 
-/// Why a request failed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Which kind.
     pub kind: FailureKind,
     /// One line.
     pub message: String,
@@ -183,19 +177,14 @@ pub enum FailureKind {
     Sandbox,
 }
 
-/// A line of a planner's log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogLine {
-    /// How much it matters.
     pub level: WireLevel,
-    /// The line.
     pub message: String,
 }
 
-/// Levels of [`LogLine`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[allow(missing_docs, reason = "the levels of vb_sdk::LogLevel")]
 pub enum WireLevel {
     Error,
     Warn,
@@ -203,7 +192,6 @@ pub enum WireLevel {
     Debug,
 }
 
-/// Why bytes are no message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameError {
     /// The frame is longer than allowed.

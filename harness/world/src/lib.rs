@@ -5,6 +5,8 @@
 //! grow with coordinates; image files have row 0 in the north, as one looks at them, and are flipped on reading and
 //! writing.
 
+#![deny(missing_docs)]
+
 mod check;
 mod format;
 pub mod geometry;

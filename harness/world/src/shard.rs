@@ -9,7 +9,6 @@ use crate::TaskRef;
 
 /// The environment variable that says how many shards there are, where the scheduler doesn't.
 pub const SHARDS_VAR: &str = "VB_SHARDS";
-/// The most shards.
 const MOST: u32 = 1_000_000;
 
 /// One of several parts of the tasks of a run. Whole worlds are dealt out, so that each is loaded by one machine alone, in the

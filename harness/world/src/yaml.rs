@@ -50,7 +50,6 @@ fn scalar_at(text: &str, line: usize, column: usize) -> Option<&str> {
     (!value.is_empty() && !value.starts_with(['{', '[']) && !value.starts_with("- ")).then_some(value)
 }
 
-/// The message on one line.
 fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -40,7 +40,6 @@ const SAMPLES: usize = 8;
 /// One sample of so many must be known.
 const KNOWN: usize = 4;
 
-/// The planner.
 #[derive(Clone, Debug)]
 pub struct Eh {
     /// The map of the world, or of what has been seen of it.

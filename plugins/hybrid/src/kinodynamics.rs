@@ -40,7 +40,6 @@ pub struct Units {
 }
 
 impl Units {
-    /// The units of a vehicle.
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
         let root = (vehicle.wheelbase / FULL).sqrt() as f32;
@@ -153,7 +152,6 @@ pub fn slip(spins: impl ExactSizeIterator<Item = f64>, speed: f64, vehicle: &Veh
 /// What of the networks' say is heard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Learned {
-    /// Everything.
     All,
     /// Roll and pitch: place and heading are those of a bicycle, and hazards aren't foreseen.
     Attitude,
@@ -299,7 +297,6 @@ impl Kinodynamics {
         [ahead[0].map(probability), ahead[1].map(probability), out[0].map(|o| (-o * per_second).max(0.0))]
     }
 
-    /// The terrain that it drives on.
     #[must_use]
     pub fn terrain(&self) -> &Terrain {
         &self.terrain

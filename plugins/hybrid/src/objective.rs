@@ -41,7 +41,6 @@ pub struct Objective {
     pub target: f32,
     /// Steps of a course.
     pub steps: f32,
-    /// Weights of the parts.
     pub weights: Weights,
     /// Distance of an axle from the reference point, m.
     pub axle: f32,

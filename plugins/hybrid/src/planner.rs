@@ -57,7 +57,6 @@ pub struct Place {
     pub heading: usize,
 }
 
-/// The map of traversability.
 struct Traversability {
     frame: GridFrame,
     /// What a way over each place costs, by heading, row and column.
@@ -249,7 +248,6 @@ impl Hybrid {
         }
     }
 
-    /// What courses cost.
     #[must_use]
     pub fn objective(&self) -> &Objective {
         &self.objective

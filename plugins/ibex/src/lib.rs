@@ -58,7 +58,6 @@ hybrid::export_sampling! {
     without_maps: { local_map },
 }
 
-/// The planner.
 enum Ibex {
     /// Where the task has maps of the world.
     Searching(Box<Searching>),

@@ -96,7 +96,6 @@ impl Scout {
         })
     }
 
-    /// The command at an observation.
     pub(crate) fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let pose = o.pose()?;
         if let Some(seen) = &o.local_map {

@@ -43,7 +43,6 @@ fn weights() -> Vec<u8> {
     (0..length.min(CAPACITY)).map(|k| at(start + 4 + k)).collect()
 }
 
-/// The planner.
 pub struct Learned {
     task: Task,
     policy: Trained,

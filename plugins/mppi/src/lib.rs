@@ -45,7 +45,6 @@ vb_sdk::export_planner! {
     without_maps: { local_map }
 }
 
-/// The planner.
 pub struct MppiPlanner {
     follower: Follower,
     lookahead: f64,

@@ -35,7 +35,6 @@ const STEERING_STEP: f64 = 0.05;
 /// Pixels by which obstacles are grown.
 const INFLATION: usize = 4;
 
-/// The planner.
 #[derive(Clone, Debug)]
 pub struct PidRelease {
     grid: Grid,

@@ -26,7 +26,6 @@ vb_sdk::export_planner! {
     }
 }
 
-/// The planner.
 #[derive(Clone, Debug)]
 pub struct Pid {
     follower: Follower,

@@ -28,7 +28,7 @@ impl Network {
         fits.then_some(Self { layers, widest })
     }
 
-    /// The layers.
+    /// The layers, from the inputs to the outputs.
     #[must_use]
     pub fn layers(&self) -> &[Layer] {
         &self.layers

@@ -12,7 +12,7 @@ pub struct Dimension {
     pub low: f64,
     /// The greatest value.
     pub high: f64,
-    /// What it means.
+    /// What it means, in words.
     pub about: &'static str,
 }
 

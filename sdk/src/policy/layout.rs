@@ -33,13 +33,13 @@ pub struct Entry {
 /// scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// The rows and the columns of crops of maps.
+    /// The number of rows, and of columns, of crops of maps.
     pub cells: usize,
     /// The distance between neighbouring samples of a crop, m.
     pub resolution: f64,
     /// The distance by which the middle of a crop lies ahead of the vehicle, m.
     pub ahead: f64,
-    /// The points of the path.
+    /// The number of points of the path ahead.
     pub points: usize,
     /// The distance between two of them along the path, m.
     pub spacing: f64,
@@ -99,9 +99,9 @@ pub(super) enum Fill {
 /// A kind of part: what [`Layout::new`] takes by its name.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// The name.
+    /// The name by which [`Layout::new`] takes it.
     pub name: &'static str,
-    /// What it is.
+    /// What it is, in words.
     pub about: &'static str,
     /// The sensor that it takes, beside the pose, which every part may use.
     pub sensor: Option<Sensor>,
@@ -205,9 +205,9 @@ pub const PARTS: [Kind; 16] = [
 /// A part of an observation, with its shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// The name.
+    /// The name of its [`Kind`].
     pub name: &'static str,
-    /// What it is.
+    /// What it is, in words.
     pub about: &'static str,
     /// The kind of its numbers.
     pub dtype: Dtype,
@@ -219,7 +219,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// The number of its numbers.
+    /// The number of values: the product of the shape.
     #[must_use]
     pub fn width(&self) -> usize {
         self.shape.iter().product()
@@ -338,7 +338,7 @@ impl Layout {
         needs
     }
 
-    /// The parts.
+    /// The parts, in the order in which they were named.
     #[must_use]
     pub fn parts(&self) -> &[Part] {
         &self.parts

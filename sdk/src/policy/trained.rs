@@ -26,9 +26,9 @@ const LEAK: f32 = crate::nn::LEAK;
 pub struct PolicySpec {
     /// The names of the parts of an observation.
     pub parts: Vec<String>,
-    /// What is seen of the surroundings.
+    /// The sizes of crops and path for which the networks were trained.
     pub sight: Sight,
-    /// The labels of which planes are made.
+    /// The labels, each of which becomes a plane of 0 and 1.
     pub labels: Vec<u8>,
     /// What an action means.
     pub action: ActionKind,

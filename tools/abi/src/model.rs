@@ -89,7 +89,6 @@ impl Model {
         })
     }
 
-    /// The record of this name.
     pub(crate) fn record(&self, name: &str) -> Result<&Record, String> {
         self.records().find(|r| r.name == name).ok_or_else(|| format!("there is no record `{name}`"))
     }

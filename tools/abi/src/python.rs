@@ -6,8 +6,7 @@ use crate::HEADER;
 use crate::c_layout::used;
 use crate::model::{Model, Record, Type, camel, snake, snake_if_name, with_names};
 
-/// Records that are another thing in Python: what is said of them, how they are made of what came over the wire, and how
-/// they are called in annotations.
+/// Returns the Python class of a record that has no generated class, and the expression that converts a received value.
 fn special(name: &str) -> Option<(&'static str, &'static str)> {
     match name {
         "height-map" => Some(("Grid", "Grid._from_wire({}, \"<f4\")")),
@@ -16,12 +15,12 @@ fn special(name: &str) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// Classes with what a person has written for them.
+/// Classes with manually written methods.
 const WITH_METHODS: [&str; 4] = ["command", "lidar-info", "mount", "task"];
 
 pub(crate) fn write(model: &Model) -> Result<String, String> {
     let mut out = format!(
-        "\"\"\"What passes between the harness and a planner. {HEADER}\"\"\"\n\nfrom dataclasses import dataclass, field\nfrom \
+        "\"\"\"Data classes of the planner interface. {HEADER}\"\"\"\n\nfrom dataclasses import dataclass, field\nfrom \
          typing import Dict, List, Optional\n\nimport numpy as np\n\nfrom ._methods import {}, Grid, number, \
          numbers, one_of\n",
         WITH_METHODS.map(|name| format!("{}Methods", camel(name))).join(", ")
@@ -57,7 +56,7 @@ fn annotation(model: &Model, ty: &Type) -> String {
     }
 }
 
-/// An expression of what came over the wire.
+/// Returns the expression that converts a received value.
 fn read(model: &Model, ty: &Type, wire: &str) -> String {
     match ty {
         Type::Record(name) if model.is_vector(name) => format!("np.array({wire}, float)"),
@@ -97,7 +96,7 @@ fn class(out: &mut String, model: &Model, r: &Record) {
             Type::List(_) => " = field(default_factory=dict)".into(),
             _ => " = 0.0".into(),
         };
-        let text = f.docs.replace("row-major", "by rows") + &components(model, &f.ty);
+        let text = f.docs.clone() + &components(model, &f.ty);
         let _ = write!(
             out,
             "    {}: {}{default}\n    \"\"\"{}\"\"\"\n",
@@ -136,17 +135,17 @@ fn class(out: &mut String, model: &Model, r: &Record) {
     out.push_str("        )\n");
 }
 
-/// What an array holds that stands for a vector, or for a list of them.
+/// Returns the description of the components of an array that stands for a vector or for a list of vectors.
 fn components(model: &Model, ty: &Type) -> String {
     let of = |name: &str| {
         let fields = model.record(name).map_or(&[][..], |r| &r.fields);
         fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>().join(", ")
     };
     match ty {
-        Type::Record(name) if model.is_vector(name) => format!(" An array of {}.", of(name)),
+        Type::Record(name) if model.is_vector(name) => format!(" Array of {}.", of(name)),
         Type::List(inner) => match &**inner {
             Type::Record(name) if model.is_vector(name) => {
-                format!(" An array with a row of {} for each point.", of(name))
+                format!(" Array with a row of {} per point.", of(name))
             }
             _ => String::new(),
         },

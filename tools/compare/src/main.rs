@@ -56,25 +56,15 @@ struct Args {
     out: PathBuf,
 }
 
-/// Why there is no comparison.
 #[derive(Debug, thiserror::Error)]
 enum CompareError {
-    /// A file or folder can't be read or written.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A recorded run is not as it must be.
+    Io { path: PathBuf, source: std::io::Error },
     #[error("{}: line {line}: {problem}", file.display())]
     Reference {
-        /// The file.
         file: PathBuf,
         /// The line, counted from 1.
         line: usize,
-        /// What is wrong there.
         problem: String,
     },
     /// The original's worlds can't be imported.
@@ -88,23 +78,11 @@ enum CompareError {
     Soils(#[from] SimError),
     /// The recorded vehicle can't be driven at a wall.
     #[error("{}: {source}", file.display())]
-    Simulation {
-        /// The record.
-        file: PathBuf,
-        /// What is wrong.
-        source: SimError,
-    },
-    /// The suite of the comparison can't be written.
+    Simulation { file: PathBuf, source: SimError },
     #[error(transparent)]
     Suite(#[from] SuiteError),
-    /// What the harness wrote is not understood.
     #[error("{}: {source}: harness and comparison must be built from the same source", file.display())]
-    Record {
-        /// The file.
-        file: PathBuf,
-        /// What is wrong.
-        source: serde_json::Error,
-    },
+    Record { file: PathBuf, source: serde_json::Error },
 }
 
 impl CompareError {

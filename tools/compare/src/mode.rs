@@ -34,7 +34,6 @@ impl Mode {
         }
     }
 
-    /// Name of its planner.
     pub(crate) fn planner(self) -> &'static str {
         match self {
             Self::Physics | Self::Planner => "pid-release",

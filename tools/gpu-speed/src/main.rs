@@ -138,7 +138,6 @@ struct OnGpu {
     faults: usize,
 }
 
-/// Drives a fleet on the GPU.
 fn on_gpu(args: &Args, course: &Course, drive: &Drive<'_>, vehicles: usize) -> Result<OnGpu, GpuError> {
     let options = Options {
         vehicle_memory: args.memory << 10,

@@ -147,7 +147,6 @@ pub struct PlaceOf {
     pub hash: String,
     /// `rigid`, `deformable` or `mixed`.
     pub kind: String,
-    /// The map of heights.
     pub heights: HeightMap,
     /// The ground of this map under the vehicle.
     pub terrain: Terrain,
@@ -157,7 +156,6 @@ pub struct PlaceOf {
 pub struct Data {
     /// How frames have become steps.
     pub timing: Timing,
-    /// The worlds.
     pub places: Vec<PlaceOf>,
     /// The windows, world by world in no order that matters.
     pub windows: Vec<Window>,
@@ -168,7 +166,6 @@ pub struct Data {
 }
 
 impl Data {
-    /// No windows yet.
     #[must_use]
     pub fn new(timing: Timing) -> Self {
         Self { timing, places: Vec::new(), windows: Vec::new(), moments: Vec::new(), hashes: Vec::new() }
@@ -197,7 +194,6 @@ impl Data {
         data.ok_or_else(|| TrainError::Unfit { dir: PathBuf::from("--data"), why: "names no dataset".into() })
     }
 
-    /// Adds the windows of a dataset.
     fn add(&mut self, dataset: &Dataset, dir: &Path, vehicle: &Vehicle) -> Result<(), TrainError> {
         let header = dataset.header();
         let unfit = |why: String| TrainError::Unfit { dir: dir.to_owned(), why };

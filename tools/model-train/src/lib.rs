@@ -11,21 +11,13 @@ pub mod train;
 
 use std::path::PathBuf;
 
-/// The reason why there is no model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrainError {
-    /// A dataset can't be read.
     #[error(transparent)]
     Dataset(#[from] vb_dataset::DatasetError),
-    /// Models can't be trained on a dataset.
     #[error("{}: {why}", dir.display())]
-    Unfit {
-        /// The folder.
-        dir: PathBuf,
-        /// The reason.
-        why: String,
-    },
+    Unfit { dir: PathBuf, why: String },
     /// The vehicle can't be used.
     #[error("{0}")]
     Vehicle(String),
@@ -34,13 +26,7 @@ pub enum TrainError {
     Weights(String),
     /// A file can't be written.
     #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
-    },
-    /// Tensors can't be computed with.
+    Write { path: PathBuf, source: std::io::Error },
     #[error("internal error: {0}")]
     Tensor(#[from] candle_core::Error),
 }

@@ -139,7 +139,6 @@ fn run(args: &Args) -> Result<(), TrainError> {
     Ok(())
 }
 
-/// Reads weights.
 fn read(path: &Path) -> Result<Weights, TrainError> {
     let bytes = vb_files::read(path, vb_files::DOCUMENT).map_err(|e| TrainError::Weights(e.to_string()))?;
     Weights::parse(&bytes).map_err(|e| TrainError::Weights(format!("{}: {e}", path.display())))

@@ -24,11 +24,8 @@ pub struct Errors {
     pub position_m: f64,
     /// Of the heading, rad.
     pub yaw_rad: f64,
-    /// m/s.
     pub speed_m_per_s: f64,
-    /// rad.
     pub roll_rad: f64,
-    /// rad.
     pub pitch_rad: f64,
 }
 
@@ -133,7 +130,6 @@ fn by_place<'a, T>(all: &[&'a T], place: impl Fn(&T) -> usize) -> BTreeMap<usize
     places
 }
 
-/// How good predictions are.
 pub struct Measured {
     /// The mean errors of each of [`WAYS`], by the ground of the worlds: `all`, `rigid`, `deformable`, `mixed`.
     pub errors: BTreeMap<String, [Vec<Errors>; 3]>,

@@ -43,9 +43,6 @@ pub(crate) fn column(values: Vec<f32>) -> Result<Tensor> {
 
 impl Motion {
     /// A model of a vehicle with steps of this time (s) that corrects nothing yet.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn new(vehicle: &Vehicle, sight: Sight, step: f32, seed: u64) -> Result<Self> {
         let units = Units::of(vehicle);
         let inputs = TOLD + sight.seen();
@@ -61,7 +58,6 @@ impl Motion {
         })
     }
 
-    /// All networks.
     #[must_use]
     pub fn networks(&self) -> Vec<&Dense> {
         let mut all = self.sight.networks();
@@ -79,9 +75,6 @@ impl Motion {
     }
 
     /// The state at the start of windows.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn start(windows: &[&Window]) -> Result<State> {
         let fields: [fn(&Point) -> f32; 10] = [
             |p| p.x,

@@ -15,9 +15,6 @@ pub struct Dense {
 
 impl Dense {
     /// Random weights for layers of these sizes, the inputs first; the last layer begins small, so that nothing is corrected.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn new(name: &str, sizes: &[usize], seed: u64) -> Result<Self> {
         let mut random = Stream::new(seed, &["model", name]);
         let mut layers = Vec::new();
@@ -62,7 +59,6 @@ impl Dense {
         Ok(())
     }
 
-    /// The variables.
     pub fn variables(&self) -> impl Iterator<Item = Var> {
         self.layers.iter().flat_map(|(w, b)| [w.clone(), b.clone()])
     }
@@ -83,9 +79,6 @@ impl Dense {
     }
 
     /// The layers as planners have them.
-    ///
-    /// # Errors
-    /// Returns an error if a variable can't be read.
     pub fn layers(&self) -> Result<Vec<Layer>> {
         let layer = |(k, (weights, bias)): (usize, &(Var, Var))| {
             let name = format!("{}.{k}", self.name);

@@ -21,14 +21,12 @@ pub enum Sight {
     Attention(Attention),
 }
 
-/// The networks of attention.
 pub struct Attention {
     ground: Dense,
     query: Dense,
     key: Dense,
 }
 
-/// The ground under vehicles.
 pub struct Ground {
     /// Roll and pitch of the plane through the wheels.
     pub plane: [Tensor; 2],
@@ -38,17 +36,11 @@ pub struct Ground {
 
 impl Sight {
     /// Patches, of which nothing is known yet.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn patch(seed: u64) -> Result<Self> {
         Ok(Self::Patch(Dense::new("ground", &[PATCH, GROUND, CHANNELS], seed)?))
     }
 
     /// Attention, of which nothing is known yet.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn attention(seed: u64) -> Result<Self> {
         Ok(Self::Attention(Attention {
             ground: Dense::new("ground", &[PATCH, GROUND, CHANNELS], seed)?,
@@ -75,7 +67,6 @@ impl Sight {
         }
     }
 
-    /// The networks.
     #[must_use]
     pub fn networks(&self) -> Vec<&Dense> {
         match self {
@@ -93,9 +84,6 @@ impl Sight {
     }
 
     /// What vehicles see that are told this of themselves.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn see(&self, told: &Tensor, ground: &Ground) -> Result<Tensor> {
         match self {
             Self::Patch(network) => network.forward(&ground.patches[0]),
@@ -153,9 +141,6 @@ impl Rows {
 impl Ground {
     /// The ground under windows' vehicles at these x, y and yaw: the plane, and what a way to look is shown. It is computed eight at a
     /// time, each eight in one world.
-    ///
-    /// # Errors
-    /// Returns an error if there is no memory.
     pub fn look(sight: Option<&Sight>, data: &Data, windows: &[&Window], at: [&Tensor; 3]) -> Result<Self> {
         let [x, y, yaw] = [numbers(at[0])?, numbers(at[1])?, numbers(at[2])?];
         let n = windows.len();

@@ -110,9 +110,6 @@ fn foresight(model: &Motion, data: &Data, moments: &[&Moment]) -> Result<Tensor>
 }
 
 /// Trains for so many steps.
-///
-/// # Errors
-/// Returns an error if there is no memory.
 pub fn train(
     model: &Motion,
     data: &Data,

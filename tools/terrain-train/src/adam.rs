@@ -14,7 +14,6 @@ pub(crate) struct Adam {
 }
 
 impl Adam {
-    /// A fresh state.
     pub(crate) fn new(variables: Vec<(String, Var)>) -> Result<Self> {
         let zero = |v: &Var| -> Result<[Tensor; 2]> { Ok([v.zeros_like()?, v.zeros_like()?]) };
         let moments = variables.iter().map(|(_, v)| zero(v)).collect::<Result<_>>()?;

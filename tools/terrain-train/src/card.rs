@@ -24,24 +24,19 @@ const MEASURED: Range<u64> = 100..112;
 /// Waves in a window of a tile's side that the exponent is fitted over: of 1/1 to 1/10 of that side.
 const WAVES: RangeInclusive<usize> = 1..=10;
 
-/// A model's card.
 #[derive(Clone, Debug, Serialize)]
 pub struct Card {
     /// Version of this format: 2.
     pub schema: u32,
     /// SHA-256 of the model file.
     pub sha256: String,
-    /// What it was trained on.
     pub data: DataCard,
-    /// What training depended on.
     pub settings: Settings,
-    /// Steps of training.
     pub steps: u64,
     /// Time that training took, s.
     pub seconds: f64,
     /// Mean losses at the end of training.
     pub losses: Losses,
-    /// The model's own header.
     pub header: Header,
     /// What the training scans look like: how far they and the held-out ones are apart is what chance makes.
     pub trained_on: Look,
@@ -49,7 +44,6 @@ pub struct Card {
     pub held_out: Metrics,
 }
 
-/// The data of a training.
 #[derive(Clone, Debug, Serialize)]
 pub struct DataCard {
     /// SHA-256 over names and bytes of the files used and of the selection.
@@ -70,10 +64,8 @@ pub struct DataCard {
     pub std: f64,
 }
 
-/// How well a model does.
 #[derive(Clone, Debug, Serialize)]
 pub struct Metrics {
-    /// Number of tiles.
     pub tiles: usize,
     /// Root mean square error of reconstruction over that of height itself.
     pub reconstruction_error: f64,

@@ -5,31 +5,16 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 use vb_terrain::data::DataError;
 
-/// Why there is no model.
 #[derive(Debug, Error)]
 pub enum TrainError {
-    /// The data can't be used.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// There is too little to learn from.
     #[error("{0}: give more or larger elevation data")]
     TooLittle(String),
-    /// A checkpoint can't be gone on from.
     #[error("{}: {problem}", path.display())]
-    Checkpoint {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: String,
-    },
-    /// A file can't be written.
+    Checkpoint { path: PathBuf, problem: String },
     #[error("{}: can't be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
     /// A fault of this program or of the library it computes with.
     #[error("training failed: {0}")]
     Internal(String),

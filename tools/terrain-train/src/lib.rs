@@ -27,14 +27,12 @@ pub use trainer::{End, Losses, Progress, Settings};
 
 use trainer::{CUT, Trainer, checkpoint_of};
 
-/// What to train.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Folder of elevation data.
     pub data: PathBuf,
     /// File that says which parts of it to use; without, `terrain.yaml` in the folder, if it is there.
     pub selection: Option<PathBuf>,
-    /// How the files' samples are meant.
     pub meaning: Meaning,
     /// Standard deviation of height at full relief, m; without, that of the data.
     pub relief: Option<f64>,
@@ -42,9 +40,7 @@ pub struct Options {
     pub detail: f64,
     /// Where the model goes; its card goes beside it as `.json`.
     pub out: PathBuf,
-    /// What training depends on.
     pub settings: Settings,
-    /// When it ends.
     pub end: End,
     /// Whether to go on from the checkpoint beside the model.
     pub resume: bool,
@@ -57,14 +53,10 @@ pub enum Event<'a> {
     Data(&'a DataCard),
     /// A training is taken up after so many steps.
     Resumed(u64),
-    /// Some steps are done.
     Progress(&'a Progress),
 }
 
 /// Trains a model, writes it and its card, and removes the checkpoint.
-///
-/// # Errors
-/// [`TrainError`] if the data can't be used, a checkpoint doesn't fit, or a file can't be written.
 pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, TrainError> {
     let data = Data::read(&options.data, options.selection.as_deref(), options.meaning)?;
     let tiles = Tiles::cut(data.scans.iter().filter(|s| !s.held_out), CUT);
@@ -115,7 +107,6 @@ pub fn train(options: &Options, mut tell: impl FnMut(Event)) -> Result<Card, Tra
     Ok(card)
 }
 
-/// The card that belongs to a model.
 #[must_use]
 pub fn card_of(model: &Path) -> PathBuf {
     model.with_extension("json")

@@ -74,10 +74,8 @@ pub struct Losses {
     pub features: f64,
 }
 
-/// How far a training is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Steps made.
     pub step: u64,
     /// Share of the whole, from 0 to 1.
     pub fraction: f64,
@@ -99,7 +97,6 @@ struct Mark {
     losses: Losses,
 }
 
-/// A training in progress.
 pub(crate) struct Trainer<'a> {
     pub(crate) network: Network,
     optimiser: Adam,
@@ -319,7 +316,6 @@ pub(crate) fn middle(tiles: &Tensor) -> Result<Tensor, TrainError> {
     Ok(tiles.narrow(1, margin, side)?.narrow(2, margin, side)?)
 }
 
-/// The checkpoint that belongs to a model.
 pub(crate) fn checkpoint_of(model: &Path) -> PathBuf {
     model.with_extension("checkpoint")
 }

@@ -16,7 +16,6 @@ const SPEEDS: [f64; 4] = [3.0, 4.0, 5.0, 6.0];
 const SPEED_TIME: usize = 3;
 const STEERING: f64 = 0.6;
 
-/// A drive.
 pub(crate) struct Drive {
     pub(crate) task: Task,
     /// At each control period, the last one included.
@@ -33,9 +32,6 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Drives from the start of a task until its rules end it.
-    ///
-    /// # Errors
-    /// Returns an error if the task can't be begun.
     pub(crate) fn new(arena: &Arc<Arena>, name: &str) -> Result<Self, EnvError> {
         let mut env = Env::new(Arc::clone(arena), 0);
         env.reset(&Reset { task: Some(name.to_owned()), run_seed: Some(0), seed: None })?;

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// The version of the layout of a file.
 const SCHEMA: u32 = 1;
 
 /// A way to explore. Lengths are those of the full-size world and are multiplied by a world's scale, times and speeds by
@@ -19,14 +18,11 @@ pub struct Exploration {
     /// A sentence on what it stands for.
     #[serde(default)]
     pub description: String,
-    /// The steering.
     pub steering: SteeringDraws,
-    /// The speed.
     pub speed: SpeedDraws,
     /// Driving backwards; if it is left out, the vehicle never does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reverse: Option<ReverseDraws>,
-    /// The places where episodes start.
     pub start: StartDraws,
 }
 
@@ -54,7 +50,6 @@ pub struct SpeedDraws {
     pub hold_s: [f64; 2],
 }
 
-/// The draws of speeds in reverse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReverseDraws {
@@ -80,34 +75,18 @@ pub struct StartDraws {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplorationError {
-    /// The file can't be read.
     #[error("cannot read exploration {}: {source} (give a YAML file, or one of {})", .path.display(), Exploration::BUILTIN.map(|(name, _)| name).join(", "))]
-    Read {
-        /// The path of the file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// The file is not YAML, or a field is missing, unknown or of a wrong type.
     #[error("{file}: {source} (fields: docs/datasets.md)")]
-    Syntax {
-        /// The name of the file.
-        file: String,
-        /// The field, the value, the place and what is wrong.
-        source: vb_world::yaml::YamlError,
-    },
-    /// A field's value makes no sense.
+    Syntax { file: String, source: vb_world::yaml::YamlError },
     #[error("{file}: {field}: {value} must lie in {low} to {high}")]
     Value {
-        /// The name of the file.
         file: String,
         /// The dotted path of the field.
         field: String,
-        /// The value of the field.
         value: f64,
-        /// The least value.
         low: f64,
-        /// The greatest value.
         high: f64,
     },
 }
@@ -120,9 +99,6 @@ impl Exploration {
     ];
 
     /// Finds a built-in one by its name, or else reads a file by its path.
-    ///
-    /// # Errors
-    /// Returns [`ExplorationError`], which says what is wrong.
     pub fn resolve(name_or_path: &str) -> Result<Self, ExplorationError> {
         let text = vb_files::named_text(name_or_path, &Self::BUILTIN)
             .map_err(|source| ExplorationError::Read { path: name_or_path.into(), source })?;
@@ -130,9 +106,6 @@ impl Exploration {
     }
 
     /// Reads one from YAML; `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Returns [`ExplorationError`], which says what is wrong.
     pub fn from_yaml(file: &str, text: &str) -> Result<Self, ExplorationError> {
         let own: Self = vb_world::yaml::parse(text)
             .map_err(|source| ExplorationError::Syntax { file: file.to_owned(), source })?;

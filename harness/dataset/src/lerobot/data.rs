@@ -43,7 +43,6 @@ impl Batch {
         Self { columns, ..Self::default() }
     }
 
-    /// The number of frames.
     pub(crate) fn len(&self) -> usize {
         self.index.len()
     }
@@ -94,9 +93,6 @@ const OWN: [(&str, DataType); 5] =
     [("timestamp", F32), ("frame_index", I64), ("episode_index", I64), ("index", I64), ("task_index", I64)];
 
 /// The content of a data file.
-///
-/// # Errors
-/// Returns an error if the columns don't fit together, which is a bug.
 pub(crate) fn write_data(features: &[Feature], batch: &Batch) -> Result<Vec<u8>, DatasetError> {
     let fail = |e: &dyn std::fmt::Display| DatasetError::Encode { detail: e.to_string() };
     let mut fields: Vec<Field> =
@@ -148,9 +144,6 @@ fn flat(mut array: ArrayRef, dtype: Dtype) -> Option<Values> {
 }
 
 /// Reads a data file with these features.
-///
-/// # Errors
-/// Returns an error if the file can't be read, is truncated, or has other columns.
 pub(crate) fn read_data(path: &Path, features: &[Feature]) -> Result<Batch, DatasetError> {
     let damaged = |detail: String| DatasetError::damaged(path, &detail);
     let content = open(path, &BOUNDS)?;

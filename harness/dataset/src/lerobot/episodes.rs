@@ -92,9 +92,6 @@ fn lists<'a>(values: impl Iterator<Item = &'a [f64]>) -> ArrayRef {
 }
 
 /// The content of a file for these episodes, which all lie in the same data file.
-///
-/// # Errors
-/// Returns an error if the table can't be encoded, which is a bug.
 pub(crate) fn write_episodes(rows: &[Row]) -> Result<Vec<u8>, DatasetError> {
     let fail = |e: &dyn std::fmt::Display| DatasetError::Encode { detail: e.to_string() };
     let mut columns: Vec<(String, ArrayRef)> = Vec::new();
@@ -160,9 +157,6 @@ pub(crate) fn write_episodes(rows: &[Row]) -> Result<Vec<u8>, DatasetError> {
 }
 
 /// Reads a file that tells of episodes, with their statistics.
-///
-/// # Errors
-/// Returns an error if the file can't be read, is truncated, or lacks a column.
 pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
     let damaged = |detail: String| DatasetError::damaged(path, &detail);
     let content = super::open(path, &BOUNDS)?;

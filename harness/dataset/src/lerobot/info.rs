@@ -5,7 +5,6 @@ use serde_json::{Map, Value, json};
 use super::{CHUNK, CODEBASE_VERSION};
 use crate::feature::Feature;
 
-/// The totals of a dataset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Totals {
     pub(crate) episodes: usize,

@@ -40,7 +40,6 @@ pub(crate) fn place(number: usize) -> (usize, usize) {
     (number / CHUNK, number % CHUNK)
 }
 
-/// The path of the data file with this number.
 pub(crate) fn data_path(number: usize) -> PathBuf {
     let (chunk, file) = place(number);
     PathBuf::from(format!("data/chunk-{chunk:03}/file-{file:03}.parquet"))

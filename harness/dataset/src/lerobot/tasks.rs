@@ -10,9 +10,6 @@ use serde_json::json;
 use crate::error::DatasetError;
 
 /// The content of `meta/tasks.parquet`.
-///
-/// # Errors
-/// Returns an error if the table can't be encoded, which is a bug.
 pub(crate) fn write_tasks(tasks: &[String]) -> Result<Vec<u8>, DatasetError> {
     let fail = |e: &dyn std::fmt::Display| DatasetError::Encode { detail: e.to_string() };
     let column = |name: &str, pandas: &str, numpy: &str| json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null});

@@ -29,7 +29,6 @@ pub fn suite(dir: &Path) -> Suite {
     writer.finish().unwrap()
 }
 
-/// A data file of this name.
 pub fn named(name: &str) -> DataHeader {
     DataHeader { name: name.into(), hash: String::new() }
 }

@@ -69,7 +69,6 @@ pub struct ProcessOptions {
     pub unconfined: bool,
 }
 
-/// Processes of a planner.
 #[derive(Clone, Debug)]
 pub(crate) struct ProcessPlugin(Arc<Shared>);
 
@@ -299,7 +298,6 @@ impl ProcessPlugin {
         }
     }
 
-    /// Starts a planner on a task.
     pub(crate) fn start(
         &self,
         task: &Task,

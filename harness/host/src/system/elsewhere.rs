@@ -124,7 +124,6 @@ impl Child {
         Ok(taken)
     }
 
-    /// Closes standard input.
     pub(crate) fn close_input(&mut self) {
         self.pipes.lock().input.is_closed = true;
         self.pipes.changed.notify_all();

@@ -10,7 +10,6 @@ use std::sync::{OnceLock, PoisonError, mpsc};
 
 type Job = Box<dyn FnOnce() + Send>;
 
-/// Starts a process.
 pub(super) fn spawn(mut command: Command) -> io::Result<Child> {
     static THREAD: OnceLock<Mutex<mpsc::Sender<Job>>> = OnceLock::new();
     let sender = match THREAD.get() {

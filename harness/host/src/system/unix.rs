@@ -108,7 +108,6 @@ impl Child {
         no_wait(|| rustix::io::write(stdin, bytes)).map(|n| n.unwrap_or(0))
     }
 
-    /// Closes standard input.
     pub(crate) fn close_input(&mut self) {
         self.stdin = None;
     }
@@ -187,7 +186,6 @@ impl Child {
         self.reap(libc::WNOHANG)
     }
 
-    /// Waits for its end.
     pub(crate) fn wait_for_end(&mut self) -> ProcessEnd {
         self.reap(0).unwrap_or(ProcessEnd::Signal(libc::SIGKILL))
     }
@@ -261,7 +259,6 @@ pub(crate) fn is_refusal(error: &(dyn std::error::Error + 'static)) -> bool {
     error.is::<Errno>() || error.is::<io::Error>()
 }
 
-/// What Linux alone has.
 #[cfg(target_os = "linux")]
 mod linux {
     use std::io;

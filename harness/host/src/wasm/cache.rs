@@ -47,7 +47,7 @@ pub(super) fn entry(dir: &Path, engine: &Engine, sha256: &str) -> Entry {
     let mut hasher = std::hash::DefaultHasher::new();
     // wasmtime's version, the target and all settings that change the code.
     engine.precompile_compatibility_hash().hash(&mut hasher);
-    super::canonical::VERSION.hash(&mut hasher);
+    vb_nan::VERSION.hash(&mut hasher);
     env!("CARGO_PKG_VERSION").hash(&mut hasher);
     let name = format!("{sha256}-{:016x}{SUFFIX}", hasher.finish());
     Entry { dir: dir.to_owned(), name, max_bytes: MAX_BYTES }

@@ -15,7 +15,7 @@ use vb_worker::protocol::{self, HEADER};
 use vb_worker::sandbox;
 use wasmtime::Engine;
 
-use super::{canonical, componentize, engine, is_of_the_system};
+use super::{componentize, engine, is_of_the_system};
 use crate::fault::FaultCause;
 use crate::inspect::{Format, PluginFile};
 use crate::log::Log;
@@ -98,7 +98,7 @@ fn here(engine: &Engine, core_module: bool, bytes: &[u8]) -> Outcome {
 }
 
 fn compiled(engine: &Engine, component: &[u8]) -> Result<Vec<u8>, Refusal> {
-    match canonical::rewrite(component) {
+    match vb_nan::rewrite(component) {
         Ok(rewritten) => precompiled(engine, &rewritten),
         // What is wrong with a component the engine tells as it does for others. It never runs as it is.
         Err(unfit) => Err(precompiled(engine, component)

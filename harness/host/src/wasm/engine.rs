@@ -2,20 +2,10 @@
 
 use std::time::Duration;
 
-use wasmparser::WasmFeatures;
+use vb_nan::FEATURES;
 use wasmtime::{Config, Engine, EngineWeak, OperatorCost, OptLevel};
 
 use crate::Limits;
-
-/// What of WebAssembly plugins may use: its version 3.0 without what is of no use to planners – threads, a garbage
-/// collector, exceptions – and without relaxed instructions, which are those that may differ between processors. Whatever is
-/// added here that computes floats or branches must be in the tables of `canonical`.
-pub(super) const FEATURES: WasmFeatures = WasmFeatures::WASM3
-    .difference(WasmFeatures::RELAXED_SIMD)
-    .difference(WasmFeatures::THREADS)
-    .difference(WasmFeatures::GC_TYPES)
-    .difference(WasmFeatures::EXCEPTIONS)
-    .union(WasmFeatures::COMPONENT_MODEL);
 
 /// Innermost functions told with a trap.
 pub(super) const BACKTRACE_FRAMES: usize = 32;
@@ -89,7 +79,7 @@ pub(super) fn config(limits: &Limits) -> wasmtime::Result<Config> {
         .consume_fuel(true)
         .operator_cost(cost)
         .epoch_interruption(limits.wasm_watchdog)
-        // The bits of a NaN are the processor's choice; `canonical` sees to those that can be seen.
+        // The bits of a NaN are the processor's choice; `vb_nan` makes those canonical that are observable.
         .cranelift_nan_canonicalization(false)
         .wasm_features(FEATURES.complement(), false)
         .wasm_features(FEATURES, true)

@@ -29,7 +29,6 @@ impl Wasi {
         self.report.clear();
     }
 
-    /// The next random bytes.
     pub(super) fn random(&mut self, count: usize) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(count + 7);
         while bytes.len() < count {

@@ -1,7 +1,6 @@
 //! WASM plugins, run by wasmtime.
 
 mod cache;
-mod canonical;
 pub(crate) mod compile;
 mod engine;
 mod guest_world;

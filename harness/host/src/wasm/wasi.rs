@@ -18,7 +18,6 @@ use wasmtime::{Engine, Error, StoreContextMut};
 use super::session::{State, pay};
 use crate::fault::{FaultCause, ProcessEnd};
 
-/// The interfaces that are here.
 const INTERFACES: [&str; 27] = [
     "cli/environment",
     "cli/exit",

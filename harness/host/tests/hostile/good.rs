@@ -27,7 +27,6 @@ pub struct Good {
     pub alone: Record,
 }
 
-/// One at work.
 pub struct AtWork {
     session: Session,
     lines: common::Lines,
@@ -63,7 +62,6 @@ impl Good {
         Self::planners().iter().any(|good| good.plugin.sandbox().is_some_and(|report| report.seccomp))
     }
 
-    /// Starts a task.
     pub fn begin(&self) -> AtWork {
         begin(&self.plugin)
     }
@@ -81,13 +79,11 @@ impl AtWork {
         self.commands.push([command.steering, command.throttle, command.brake].map(f64::to_bits));
     }
 
-    /// Half of the task's steps.
     pub fn half(mut self) -> Self {
         (0..STEPS / 2).for_each(|_| self.step());
         self
     }
 
-    /// The steps that are left.
     pub fn finish(mut self) -> Record {
         while self.commands.len() < STEPS as usize {
             self.step();

@@ -39,7 +39,6 @@ enum Ends {
     Never,
 }
 
-/// What a planner is made of.
 #[derive(Clone, Debug)]
 enum Source {
     /// A plugin file of these bytes.

@@ -4,7 +4,7 @@
 #[rustfmt::skip]
 mod convert;
 
-#[allow(missing_docs, unreachable_pub, dead_code, clippy::all)]
+#[allow(unreachable_pub, dead_code, clippy::all)]
 mod bindings {
     wasmtime::component::bindgen!({ world: "planner-plugin", path: "tests/older" });
 }

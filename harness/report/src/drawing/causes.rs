@@ -14,7 +14,6 @@ use crate::figures::Figures;
 /// Parts that have a colour of their own; those behind them are one.
 const PARTS: usize = SERIES_COLOURS - 1;
 
-/// A part of the bars.
 struct Part {
     name: String,
     of: Vec<Failure>,

@@ -10,7 +10,6 @@ use super::{Drawing, TEXT, fit, width};
 use crate::Report;
 use crate::runs::Row;
 
-/// Number of bins.
 const BINS: usize = 40;
 
 /// What the axis counts in.

@@ -40,7 +40,6 @@ pub struct MapLinks<'a> {
 
 /// The way of a task in a run.
 pub(crate) struct Way<'a> {
-    /// The index of the run.
     pub(crate) run: usize,
     pub(crate) row: &'a Row,
     /// The places from the start to the end, x and y, m; none if the run kept no trace of it.
@@ -66,9 +65,6 @@ pub struct WorldMap<'a> {
 
 impl Report {
     /// The map of a world, scaled as the runs had it, with the ways of all runs.
-    ///
-    /// # Errors
-    /// Returns an error if a trace can't be read.
     pub fn map<'a>(&'a self, world: &'a World) -> Result<WorldMap<'a>, ReportError> {
         let prefix = format!("{}/", world.id);
         let mut ways = Vec::new();
@@ -91,7 +87,6 @@ impl Report {
 }
 
 impl WorldMap<'_> {
-    /// The map as a page.
     #[must_use]
     pub fn page(&self, links: &MapLinks<'_>) -> String {
         page::of_world(self, links)

@@ -16,7 +16,6 @@ use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 const SCRIPT: &str = include_str!("page.js");
 pub(crate) const STYLE: &str = include_str!("page.css");
 
-/// The whole page.
 pub(crate) fn page(report: &Report, beside: &Beside) -> String {
     let first = &report.runs.runs[0].header;
     let title = match (&report.title, &report.runs.runs[..]) {

@@ -31,7 +31,6 @@ pub struct Paper {
 /// The widths leave no room for the texts, or the texts are none.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PaperError {
-    /// Too narrow.
     #[error(
         "a figure {what} of {width} in is too narrow for texts of {font} pt: it needs {least:.2} in (choose a greater width, or smaller texts)"
     )]
@@ -45,7 +44,6 @@ pub enum PaperError {
         /// The least width for them, inches.
         least: f64,
     },
-    /// Texts that nobody can read, or that are larger than a figure.
     #[error("texts of {0} pt can't be read in a figure (choose from 4 to 24)")]
     Font(f64),
 }
@@ -80,7 +78,6 @@ impl Paper {
 pub struct PaperFigure {
     /// The name without its ending.
     pub name: &'static str,
-    /// The figure.
     pub figure: Figure,
 }
 

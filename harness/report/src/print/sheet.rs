@@ -15,7 +15,6 @@ const EDGE: f64 = 3.0;
 
 /// What is drawn so far, in units of drawings.
 pub(super) struct Sheet {
-    /// Its width.
     pub(super) width: f64,
     /// How far down it is full.
     pub(super) y: f64,
@@ -57,7 +56,6 @@ impl Sheet {
         self.y += 10.0;
     }
 
-    /// A text.
     pub(super) fn text(&mut self, class: &str, [x, y]: [f64; 2], anchor: &str, text: &str) {
         let _ = write!(
             self.body,
@@ -115,7 +113,6 @@ impl Sheet {
         let _ = write!(self.body, "<g transform=\"translate({x:.1} {y:.1})\">{}</g>", drawing.body);
     }
 
-    /// The figure.
     pub(super) fn finish(self, title: String) -> Figure {
         let height = self.y + EDGE;
         Figure {

@@ -13,7 +13,6 @@ const SUMS: usize = 200_000_000;
 /// Worlds whose signs are one byte.
 const GROUP: usize = 8;
 
-/// The result of a sign-flip test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignFlip {
     /// Number of worlds that differ: the others say nothing, whatever their sign.

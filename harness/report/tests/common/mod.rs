@@ -111,7 +111,6 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
     }
 }
 
-/// A run with these records.
 pub fn write(dir: &Path, header: &RunHeader, records: impl IntoIterator<Item = TaskRecord>) -> PathBuf {
     let store = RunStore::create(dir, header).unwrap();
     records.into_iter().for_each(|r| store.append(&r).unwrap());

@@ -65,7 +65,6 @@ impl Filter {
         self.coefficients.map(|c| c.to_array()[lane])
     }
 
-    /// The next values.
     #[inline]
     pub(super) fn push(&mut self, x: Lanes) -> Lanes {
         let [b0, b1, b2, a1, a2] = self.coefficients;

@@ -35,7 +35,6 @@ impl Running {
         self.m2 += delta * (value - self.mean);
     }
 
-    /// Takes the values of another in.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;

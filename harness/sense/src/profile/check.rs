@@ -6,7 +6,6 @@ use super::{
 };
 use vb_sdk::metadata::is_rate;
 
-/// The version of the format that this build reads.
 const SCHEMA: u32 = 1;
 /// The most rays of a sensor at a time, which bounds memory and time.
 const MOST_RAYS: u64 = 1 << 20;

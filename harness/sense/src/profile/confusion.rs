@@ -11,7 +11,6 @@ pub(crate) const UNKNOWN: u8 = 255;
 /// What a pixel or a square may be recognised as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "the classes of `vb_world::TerrainClass`, in its order")]
 #[repr(u8)]
 pub enum Seen {
     Clay = 0,
@@ -24,7 +23,6 @@ pub enum Seen {
     Mud,
     Sand,
     Snow,
-    /// An obstacle.
     Obstacle,
 }
 

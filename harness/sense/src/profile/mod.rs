@@ -29,7 +29,6 @@ pub struct Profile {
 pub struct ProfileData {
     /// The version of this format, which is 1.
     pub schema: u32,
-    /// The name of the profile.
     pub name: String,
     /// What the profile stands for, in one line, for people.
     pub description: String,
@@ -37,17 +36,11 @@ pub struct ProfileData {
     pub prior: Prior,
     /// The estimate of the vehicle's state.
     pub pose: Option<PoseModel>,
-    /// What the wheels' sensors measure.
     pub wheel_odometry: Option<WheelModel>,
-    /// The inertial measurement unit.
     pub imu: Option<ImuModel>,
-    /// The receiver for satellites.
     pub gnss: Option<GnssModel>,
-    /// The spinning lidar.
     pub lidar: Option<LidarModel>,
-    /// The depth camera.
     pub depth: Option<DepthModel>,
-    /// The map of the surroundings.
     pub local_map: Option<LocalMapModel>,
 }
 
@@ -55,7 +48,6 @@ pub struct ProfileData {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prior {
-    /// The heights of the ground.
     pub elevation: Option<PriorElevation>,
     /// The kinds of ground.
     pub semantics: Option<PriorSemantics>,
@@ -67,7 +59,6 @@ pub struct Prior {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorElevation {
-    /// As they are.
     Exact,
     /// As on a map made from afar: means over squares, with errors that neighbouring samples share.
     Coarse {
@@ -86,13 +77,11 @@ pub enum PriorElevation {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorSemantics {
-    /// As they are.
     Exact,
     /// As on a map made from afar: the commonest kind of each square, which may be taken for another.
     Coarse {
         /// The side of the squares, m.
         resolution_m: f64,
-        /// What is taken for what.
         #[serde(default)]
         confusions: Confusions,
     },
@@ -110,13 +99,11 @@ pub struct PriorOccupancy {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseModel {
-    /// The truth.
     Exact,
     /// Dead reckoning from the start, which drifts with the way that is driven.
     Estimated(PoseNoise),
 }
 
-/// The errors of an estimated pose.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseNoise {
@@ -158,17 +145,14 @@ pub struct Spells {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WheelModel {
-    /// The truth.
     Exact,
     /// Encoders that count, and measured travels.
     Measured(WheelNoise),
 }
 
-/// The errors of the wheels' sensors.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WheelNoise {
-    /// The counts of an encoder in a turn of its wheel.
     pub counts_per_turn: u32,
     /// The time over which counts are taken for a spin, s: a multiple of 10 ms.
     pub window_s: f64,
@@ -176,11 +160,9 @@ pub struct WheelNoise {
     pub travel_std_m: f64,
 }
 
-/// The inertial measurement unit.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImuModel {
-    /// The number of measurements in a second.
     pub rate_hz: f64,
     /// The errors of the specific force along each axis, in m/s².
     pub accelerometer: Inertial,
@@ -205,11 +187,9 @@ pub struct Inertial {
     pub turn_on_bias: f64,
 }
 
-/// The receiver for satellites.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GnssModel {
-    /// The number of positions in a second.
     pub rate_hz: f64,
     /// The errors along x and y each.
     pub horizontal: GnssError,
@@ -231,7 +211,6 @@ pub struct GnssError {
     pub white_std_m: f64,
 }
 
-/// The spinning lidar.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LidarModel {
@@ -256,31 +235,23 @@ pub struct LidarModel {
     /// The probability that nothing comes back from the greatest distance. In between it grows with the distance squared,
     /// as the light that comes back becomes less.
     pub dropout_far: f64,
-    /// Dust that the vehicle is in at times.
     pub dust: Option<Dust>,
-    /// The place on the vehicle.
     pub mount: MountModel,
 }
 
-/// Dust, which light is lost in.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dust {
-    /// When there is dust.
     pub spells: Spells,
     /// The share of light that is lost along a way, 1/m.
     pub extinction_per_m: f64,
 }
 
-/// The depth camera.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthModel {
-    /// The number of images in a second.
     pub rate_hz: f64,
-    /// The number of rows of an image.
     pub rows: u32,
-    /// The number of columns of an image.
     pub cols: u32,
     /// The angle between the left and the right edge of an image, degrees.
     pub field_of_view_deg: f64,
@@ -294,14 +265,11 @@ pub struct DepthModel {
     pub dropout: f64,
     /// Whether pixels have labels.
     pub labels: bool,
-    /// What is taken for what.
     #[serde(default)]
     pub confusions: Confusions,
-    /// The place on the vehicle.
     pub mount: MountModel,
 }
 
-/// The place of a sensor on a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MountModel {
@@ -332,7 +300,6 @@ pub enum MountModel {
     },
 }
 
-/// The map of the surroundings.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocalMapModel {
@@ -428,13 +395,11 @@ impl Profile {
         matches!(data.pose, Some(PoseModel::Exact)) && matches!(data.wheel_odometry, Some(WheelModel::Exact))
     }
 
-    /// The name of the profile.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.data.name
     }
 
-    /// What the profile says.
     #[must_use]
     pub fn data(&self) -> &ProfileData {
         &self.data

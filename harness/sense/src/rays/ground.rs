@@ -14,7 +14,6 @@ use vb_world::Heightfield;
 
 /// How many squares of a grid make one of the next along a side.
 const STEP: usize = 4;
-/// The number of grids.
 const GRIDS: usize = 3;
 /// The least number of squares along a side of a grid that is worth a look: below it, most of its squares are higher than
 /// the rays of a vehicle anyway.

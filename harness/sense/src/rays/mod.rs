@@ -20,7 +20,6 @@ use vb_world::World;
 /// What a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
-    /// The ground.
     Ground,
     /// The obstacle with this index in [`World::obstacles`].
     Obstacle(usize),
@@ -31,7 +30,6 @@ pub enum Surface {
 pub struct Hit {
     /// The distance from the ray's origin, m.
     pub distance: f64,
-    /// What is hit there.
     pub surface: Surface,
 }
 
@@ -91,13 +89,11 @@ impl Sweep {
 }
 
 impl Scene {
-    /// The scene of a world.
     #[must_use]
     pub fn new(world: Arc<World>) -> Self {
         Self { world, shapes: OnceLock::new() }
     }
 
-    /// The world itself.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world

@@ -13,7 +13,6 @@ use vb_math::rng::Stream;
 use vb_sdk::{DepthImage, DepthInfo};
 use vb_world::World;
 
-/// The camera.
 #[derive(Clone, Debug)]
 pub(crate) struct Depth {
     info: DepthInfo,

@@ -9,7 +9,6 @@ use crate::profile::{GnssError, GnssModel};
 use vb_sdk::GnssFix;
 use vb_sim::VehicleState;
 
-/// The receiver.
 #[derive(Clone, Debug)]
 pub(crate) struct Gnss {
     /// Samples from one position to the next.

@@ -47,7 +47,6 @@ impl Axis {
     }
 }
 
-/// The unit.
 #[derive(Clone, Debug)]
 pub(crate) struct Imu {
     /// Samples that one measurement is the mean of.

@@ -21,7 +21,6 @@ struct Dust {
     extinction: f64,
 }
 
-/// The lidar.
 #[derive(Clone, Debug)]
 pub(crate) struct Lidar {
     info: LidarInfo,

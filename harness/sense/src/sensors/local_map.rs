@@ -13,7 +13,6 @@ use crate::frame::Frame;
 use crate::profile::{LocalMapModel, OBSTACLE, UNKNOWN};
 use vb_sdk::{GridFrame, LocalMap, Map};
 
-/// What is known of a cell.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     height: f32,

@@ -14,7 +14,6 @@ use vb_math::angle::{radians, wrap};
 use vb_sdk::Pose;
 use vb_sim::VehicleState;
 
-/// The errors of an estimate.
 #[derive(Clone, Debug)]
 struct Errors {
     heading: RandomWalk,
@@ -26,7 +25,6 @@ struct Errors {
     angular_velocity: [White; 3],
 }
 
-/// The estimator.
 #[derive(Clone, Debug)]
 pub(crate) struct Estimator {
     /// Samples between readings; none for a reading whenever the planner looks.
@@ -38,7 +36,6 @@ pub(crate) struct Estimator {
     ready: Option<Pose>,
 }
 
-/// The pose as it is.
 pub(crate) fn exact(state: &VehicleState) -> Pose {
     let (roll, pitch, yaw) = state.roll_pitch_yaw();
     Pose {

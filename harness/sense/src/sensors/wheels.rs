@@ -33,7 +33,6 @@ pub(crate) struct Wheels {
     seed: Seed,
 }
 
-/// The wheels as they are.
 fn exact(w: &WheelState) -> Wheel {
     Wheel { spin: w.speed, travel: w.deflection }
 }

@@ -68,7 +68,6 @@ impl Cuboid {
 /// Obstacles that a wheel can touch at a time: as it does in a wedge. Of more, the deepest count.
 pub(crate) const MOST_OBSTACLES: usize = 2;
 
-/// A wheel's contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ObstacleContact {
     /// The number of the obstacle in the world.
@@ -105,7 +104,6 @@ impl Obstacles {
         Self { solids: surroundings.solids().clone(), near: Vec::new() }
     }
 
-    /// No obstacles.
     #[cfg(test)]
     pub(crate) fn none() -> Self {
         Self { solids: Arc::new([]), near: Vec::new() }

@@ -35,7 +35,6 @@ impl From<Arc<World>> for Surroundings {
 }
 
 impl Surroundings {
-    /// The world.
     #[must_use]
     pub fn world(&self) -> &Arc<World> {
         &self.world

@@ -4,7 +4,6 @@ use crate::V3;
 use crate::collision::MOST_FACETS;
 use crate::tyre::Patch;
 
-/// The contact with one facet.
 #[derive(Clone, Copy, Debug, Default)]
 struct FacetPatch {
     facet: usize,
@@ -24,7 +23,6 @@ pub(super) struct FacetPatches {
 const ALIKE: f64 = 0.9;
 
 impl FacetPatches {
-    /// Forgets all contacts.
     pub(super) fn clear(&mut self) {
         self.count = 0;
     }
@@ -45,7 +43,6 @@ impl FacetPatches {
             .map_or_else(Patch::default, |p| p.patch)
     }
 
-    /// Remembers a contact of this step.
     pub(super) fn push(&mut self, facet: usize, normal: V3, patch: Patch) {
         if let Some(place) = self.patches.get_mut(self.count) {
             *place = FacetPatch { facet, normal, patch };

@@ -56,7 +56,6 @@ use vb_vehicle::GRAVITY;
 use vb_vehicle::VehicleSpec;
 use vb_vehicle::kinematics::AxleKinematics;
 
-/// The moving vehicle.
 #[derive(Clone)]
 pub(crate) struct Vehicle {
     design: Arc<Design>,
@@ -95,12 +94,10 @@ impl Vehicle {
         }
     }
 
-    /// The motion of the chassis.
     pub(crate) fn body(&self) -> &Body {
         &self.state.body
     }
 
-    /// The motion of the chassis, to be changed from outside.
     pub(crate) fn body_mut(&mut self) -> &mut Body {
         &mut self.state.body
     }
@@ -125,7 +122,6 @@ impl Vehicle {
         self.design.corners.len()
     }
 
-    /// The state of a wheel.
     pub(crate) fn wheel(&self, i: usize) -> WheelState {
         let (w, f) = (&self.state.wheels[i], &self.last.forces[i]);
         WheelState {
@@ -140,7 +136,6 @@ impl Vehicle {
         self.state.drive.state()
     }
 
-    /// The direction that is in.
     pub(crate) fn gear(&self) -> Gear {
         self.state.drive.gear()
     }

@@ -6,7 +6,6 @@ use crate::tyre::Patch;
 /// What the contact with one obstacle remembers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ObstaclePatch {
-    /// The number of the obstacle.
     obstacle: usize,
     pub(super) patch: Patch,
     /// How deep the wheel was in the obstacle a step ago, m.
@@ -38,7 +37,6 @@ impl ObstaclePatches {
         })
     }
 
-    /// Remembers a contact of this step.
     pub(super) fn push(&mut self, patch: ObstaclePatch) {
         if let Some(place) = self.patches.get_mut(self.count) {
             *place = patch;
@@ -46,7 +44,6 @@ impl ObstaclePatches {
         }
     }
 
-    /// Whether there is nothing to remember.
     pub(super) fn is_empty(&self) -> bool {
         self.count == 0 && self.unknown == 0.0
     }

@@ -37,7 +37,6 @@ pub(crate) struct Body {
     pub(crate) w: V3,
 }
 
-/// The state of the steering gears.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct SteeringState {
     /// The command after the limits of rate and force, in [-1, 1].

@@ -16,7 +16,6 @@ use super::Pair;
 
 use vb_vehicle::powertrain::{self, Differential};
 
-/// Greatest number of driven axles.
 const MAX_AXLES: usize = vb_vehicle::MAX_WHEELS / 2;
 /// Sweeps end when none of them changes a slip by more than this, rad/s.
 const CONVERGED: f64 = 1e-9;

@@ -12,7 +12,6 @@ const SENSE_TIME: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(super) struct Shifter {
     pub(super) spec: Gearbox,
-    /// The direction that is in.
     direction: Gear,
     /// The direction that is on its way in, and the time until it is, s. The gearbox is in neutral meanwhile.
     coming: Option<(Gear, f64)>,

@@ -125,7 +125,6 @@ impl Drive {
         }
     }
 
-    /// The direction that is in.
     pub(crate) fn gear(&self) -> Gear {
         self.shifter.direction()
     }

@@ -6,10 +6,8 @@ use super::set::SoilSet;
 use crate::error::SimError;
 use vb_world::World;
 
-/// The deformable ground of a world.
 #[derive(Clone, Debug)]
 pub(crate) struct SoilGround {
-    /// Soils that occur in the world.
     soils: Vec<Soil>,
     /// For each patch of the semantics the index of its soil, or `RIGID`.
     patches: Vec<u8>,
@@ -35,7 +33,6 @@ pub(crate) enum Under {
     Rigid,
     /// One soil only, by its number.
     Soil(u8),
-    /// More than one kind.
     Mixed,
 }
 
@@ -145,7 +142,6 @@ impl SoilGround {
         self.digs
     }
 
-    /// The soils that occur.
     pub(crate) fn soils(&self) -> &[Soil] {
         &self.soils
     }

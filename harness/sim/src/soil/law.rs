@@ -29,7 +29,6 @@ pub struct SoilLaw {
     pub elastic_stiffness: f64,
     /// The pressure per speed of penetration, Pa s/m.
     pub damping: f64,
-    /// The direction in which the pressure acts on a wheel.
     pub pressure: PressureDirection,
     /// The friction coefficient of a hull of steel that slides on the soil. If it is left out, it follows from the angle of
     /// internal friction: tan(0.6 φ).

@@ -10,7 +10,6 @@ use vb_world::{SoilLevel, TerrainClass};
 /// A set of soils and the hash of its file, by which runs are told apart.
 #[derive(Clone, Debug)]
 pub struct Soils {
-    /// The soils' data.
     pub set: SoilSet,
     /// SHA-256 of the soils' file (hex).
     pub hash: String,
@@ -25,11 +24,9 @@ pub struct Soils {
 pub struct SoilSet {
     /// The version of this format, which is 1.
     pub schema: u32,
-    /// The short name of the set.
     pub name: String,
     /// A description in one line, for people.
     pub description: String,
-    /// The soils by name.
     pub soils: BTreeMap<String, SoilLaw>,
     /// The names of the soils of mud, sand and snow.
     pub classes: Classes,
@@ -38,7 +35,6 @@ pub struct SoilSet {
 /// The names of the soils of the deformable classes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the classes of the paper")]
 pub struct Classes {
     pub mud: Levels,
     pub sand: Levels,
@@ -48,7 +44,6 @@ pub struct Classes {
 /// The names of a class's soils.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the levels of the paper")]
 pub struct Levels {
     pub soft: String,
     pub medium: String,

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The growth of sinkage with slip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum SlipSinkage {

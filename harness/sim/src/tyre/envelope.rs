@@ -136,7 +136,6 @@ impl Clearance {
         self.spent += moved.dot(slopes) + ROUNDING;
     }
 
-    /// The stations that may touch.
     #[inline]
     fn may_touch(&self) -> Stations {
         let bit = |k: usize| u32::from(!self.is_clear(k)) << k;

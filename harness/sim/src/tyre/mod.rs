@@ -81,7 +81,6 @@ enum Model {
 }
 
 impl Tyre {
-    /// The tyre with these data.
     #[must_use]
     pub fn new(spec: &TyreSpec) -> Self {
         // How much of the deflection a wheel rolls on less than its free radius: none of a hard one's, a third

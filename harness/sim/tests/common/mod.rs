@@ -47,7 +47,6 @@ pub fn original_soils() -> SoilSet {
         .expect("the shipped soils are valid")
 }
 
-/// Published soils.
 pub fn wong_soils() -> SoilSet {
     SoilSet::parse(include_str!("../../../../tasks/soils/wong.yaml"), "wong.yaml")
         .expect("the shipped soils are valid")

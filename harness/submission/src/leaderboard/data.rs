@@ -6,7 +6,6 @@ use vb_score::{Cause, Flag, Outcome};
 
 use super::rank::{Board, Ranked};
 
-/// The version of the layout of `leaderboard.json`.
 pub const LEADERBOARD_SCHEMA: u32 = 1;
 
 pub(super) fn document(title: &str, boards: &[Board]) -> Value {

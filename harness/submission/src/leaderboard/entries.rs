@@ -17,11 +17,9 @@ use crate::verdict::{VERIFICATION_SCHEMA, Verification};
 pub struct Entry {
     /// The name of the entry's folder, and of that of its pages.
     pub id: String,
-    /// The entry's folder.
     pub dir: PathBuf,
     /// The entry's manifest, without tasks and files.
     pub manifest: Manifest,
-    /// The verdict on the entry.
     pub verification: Verification,
     /// The figures over all tasks.
     pub figures: Figures,

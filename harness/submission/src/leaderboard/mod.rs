@@ -26,7 +26,7 @@ use crate::SubmissionError;
 use crate::files::{self, MANIFEST, RUN, VERDICT};
 
 /// The machine-readable leaderboard.
-const DATA: &str = "leaderboard.json";
+pub const DATA: &str = "leaderboard.json";
 /// Folder of the entries' pages.
 const ENTRIES: &str = "entries";
 /// The name of an entry's report in the entry's folder. Its replays are in the folder `replays` beside it.
@@ -49,7 +49,6 @@ pub trait Source {
     ) -> Result<BTreeSet<String>, SubmissionError>;
 }
 
-/// The site that was built.
 #[derive(Clone, Debug)]
 pub struct Site {
     /// The boards, each with its entries in order.

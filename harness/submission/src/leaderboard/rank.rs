@@ -7,7 +7,6 @@ use crate::SubmissionError;
 use crate::division::Division;
 use crate::files::RUN;
 
-/// The results by which the entries of a board are ranked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RankedBy {
@@ -20,18 +19,14 @@ pub enum RankedBy {
 /// Entries under the same conditions, best first.
 #[derive(Clone, Debug)]
 pub struct Board {
-    /// The division in which the entries are listed.
     pub division: Division,
-    /// The results by which the entries are ranked.
     pub ranked_by: RankedBy,
     /// The entries, at least one.
     pub entries: Vec<Ranked>,
 }
 
-/// An entry with its rank.
 #[derive(Clone, Debug)]
 pub struct Ranked {
-    /// The entry.
     pub entry: Entry,
     /// One more than the number of entries above the first of this rank, which is worse for certain than the first of the rank
     /// above.

@@ -18,7 +18,6 @@ const WORLDS: &str = "worlds";
 /// The number of pixels along the longer side of a small picture, which a page shows 96 pixels wide.
 const SMALL_SIDE: usize = 128;
 
-/// The maps of an entry.
 #[derive(Clone, Debug)]
 pub(super) enum Maps {
     /// Each world that has one, in the order of the suite.
@@ -42,7 +41,6 @@ impl Maps {
 /// The map of a world, which lies at `maps/WORLD.html` beside the entry's page.
 #[derive(Clone, Debug)]
 pub(super) struct Made {
-    /// The name of the world.
     pub(super) world: String,
     /// The map as a small picture for the entry's page.
     pub(super) thumbnail: String,
@@ -69,7 +67,6 @@ pub(super) fn clear(out: &Path) -> Result<(), SubmissionError> {
 pub(super) struct Painter<'a> {
     /// The folder of the site.
     out: &'a Path,
-    /// What the site is called.
     title: &'a str,
     painted: BTreeSet<PathBuf>,
 }

@@ -152,7 +152,6 @@ fn more(s: &mut String, w: &WorldStatistics) {
     s.push_str("</tbody></table>");
 }
 
-/// The whole page.
 pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
     let name = escape(&statistics.name);
     let mut s = String::with_capacity(cards.iter().map(String::len).sum::<usize>() + 100_000);

@@ -21,20 +21,15 @@ use vb_world::{Density, Elevation, Provenance, SoilLevel, Suite, SuiteError, Ter
 /// The number of worlds with one choice of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Cell {
-    /// The elevation level.
     pub elevation: Elevation,
-    /// The kind of ground.
     pub terrain: Terrain,
-    /// The obstacle density.
     pub density: Density,
-    /// The number of worlds with these labels.
     pub worlds: usize,
 }
 
 /// The surfaces of an elevation level.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Relief {
-    /// The level.
     pub elevation: Elevation,
     /// The standard deviation of the height within a world, over worlds, m.
     pub height_std: Summary,
@@ -53,7 +48,6 @@ pub struct Relief {
 /// One class over all worlds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClassFigures {
-    /// The class.
     pub class: TerrainClass,
     /// The share of the area of all worlds, 0 to 1.
     pub fraction: f64,
@@ -68,26 +62,19 @@ pub struct ClassFigures {
 /// A value over an area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Weighted {
-    /// The mean over the area.
     pub mean: f64,
-    /// The standard deviation over the area.
     pub std: f64,
-    /// The least value.
     pub min: f64,
-    /// The greatest value.
     pub max: f64,
 }
 
 /// The obstacles of a density.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObstacleFigures {
-    /// The density.
     pub density: Density,
-    /// The number of worlds of this density.
     pub worlds: usize,
     /// The numbers of all obstacles in these worlds, by kind.
     pub kinds: Kinds,
-    /// The number of obstacles in a world.
     pub per_world: Summary,
     /// The greater horizontal extent of a boulder or box, m; `None` if there are none.
     pub width: Option<Summary>,
@@ -97,7 +84,6 @@ pub struct ObstacleFigures {
     pub covered: Summary,
 }
 
-/// The tasks of some worlds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskFigures {
     /// The straight distance from start to goal, m.
@@ -116,22 +102,15 @@ pub struct TaskFigures {
     pub lengths: Histogram,
 }
 
-/// The figures of a suite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SuiteStatistics {
-    /// The short name of the suite.
     pub name: String,
     /// The version of the suite, as free text.
     pub version: String,
-    /// A description of the suite, for people.
     pub description: String,
-    /// The origin of the suite, for people.
     pub provenance: String,
-    /// The content hash of the suite.
     pub hash: String,
-    /// The number of worlds.
     pub world_count: usize,
-    /// The number of tasks.
     pub task_count: usize,
     /// Every choice of labels, those without a world included: by elevation, then terrain, then density.
     pub cells: Vec<Cell>,

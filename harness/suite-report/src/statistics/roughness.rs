@@ -31,11 +31,8 @@ const BIN: f64 = 0.01;
 /// Percentiles of angles, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Angles {
-    /// The median.
     pub p50: f64,
-    /// The 95th percentile.
     pub p95: f64,
-    /// The 99th percentile.
     pub p99: f64,
 }
 
@@ -79,7 +76,6 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// The sums of one world.
     pub(crate) fn of(h: &Heightfield) -> Self {
         let mut sums = Self {
             worlds: 1.0,

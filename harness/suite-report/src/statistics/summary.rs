@@ -6,17 +6,12 @@ use std::collections::BTreeMap;
 /// The least, the mean, high percentiles and the greatest of some values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// The number of values.
     pub count: usize,
-    /// The least value.
     pub min: f64,
-    /// The arithmetic mean.
     pub mean: f64,
-    /// The median.
     pub p50: f64,
     /// The 95th percentile, by linear interpolation between order statistics.
     pub p95: f64,
-    /// The greatest value.
     pub max: f64,
 }
 

@@ -9,7 +9,6 @@ pub const EMPTY: &str = "–";
 /// A table of text: the first column names the row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// The title of the table.
     pub title: &'static str,
     /// A text on how its figures are meant.
     pub about: &'static str,
@@ -50,7 +49,6 @@ impl SuiteStatistics {
         tables
     }
 
-    /// The table of the worlds, with one row for each.
     #[must_use]
     pub fn world_table(&self) -> Table {
         Table {

@@ -17,13 +17,9 @@ const HEIGHT_BIN: f64 = 0.01;
 /// The slopes of the ground over 1 m, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Slopes {
-    /// The median.
     pub p50: f64,
-    /// The 95th percentile.
     pub p95: f64,
-    /// The 99th percentile.
     pub p99: f64,
-    /// The steepest slope.
     pub max: f64,
 }
 
@@ -38,7 +34,6 @@ impl Slopes {
 /// The part of a world's ground that is of one class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClassShare {
-    /// The class.
     pub class: TerrainClass,
     /// The share of the area, 0 to 1.
     pub fraction: f64,
@@ -49,7 +44,6 @@ pub struct ClassShare {
 
 /// The number of obstacles of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[allow(missing_docs, reason = "the kinds of obstacles")]
 pub struct Kinds {
     pub boulders: usize,
     pub boxes: usize,
@@ -57,7 +51,6 @@ pub struct Kinds {
 }
 
 impl Kinds {
-    /// Counts the obstacles of each kind.
     #[must_use]
     pub fn of(obstacles: &[Obstacle]) -> Self {
         let mut kinds = Self::default();
@@ -71,14 +64,12 @@ impl Kinds {
         kinds
     }
 
-    /// The number of all obstacles.
     #[must_use]
     pub fn total(&self) -> usize {
         self.boulders + self.boxes + self.trunks
     }
 }
 
-/// The figures of one task and its path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaskStatistics {
     /// The id of the task within the world.
@@ -126,16 +117,12 @@ impl TaskStatistics {
     }
 }
 
-/// The figures of one world.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorldStatistics {
     /// The id of the world within the suite.
     pub id: String,
-    /// The elevation level.
     pub elevation: Elevation,
-    /// The kind of ground.
     pub terrain: Terrain,
-    /// The obstacle density.
     pub density: Density,
     /// The extent from west to east and from south to north, m.
     pub extent: [f64; 2],
@@ -153,11 +140,9 @@ pub struct WorldStatistics {
     pub classes: Vec<ClassShare>,
     /// The friction of the rigid patches, each of which has the same area; `None` where all ground yields.
     pub friction: Option<Summary>,
-    /// The numbers of obstacles.
     pub obstacles: Kinds,
     /// The share of the area under obstacles, 0 to 1; where footprints overlap, both count.
     pub covered: f64,
-    /// The tasks in order.
     pub tasks: Vec<TaskStatistics>,
 }
 
@@ -170,7 +155,6 @@ pub(crate) struct Samples {
 }
 
 impl WorldStatistics {
-    /// Measures a world.
     #[must_use]
     pub fn of(world: &World) -> Self {
         Self::with_samples(world).0

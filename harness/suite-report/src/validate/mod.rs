@@ -21,7 +21,6 @@ use std::path::Path;
 use vb_suite::generate::GeneratorParams;
 use vb_world::{Part, Suite, SuiteError, SuiteMeta, World};
 
-/// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -42,7 +41,6 @@ impl Severity {
     }
 }
 
-/// The rule that is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rule {
@@ -75,12 +73,9 @@ impl Rule {
     }
 }
 
-/// A finding of the checks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// The severity of the finding.
     pub severity: Severity,
-    /// The rule that was checked.
     pub rule: Rule,
     /// The world that is meant; `None` where it is the suite as a whole.
     #[serde(skip_serializing_if = "Option::is_none")]

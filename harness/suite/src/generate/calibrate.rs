@@ -20,9 +20,7 @@ pub const FACTORS: [f64; 2] = [0.2, 5.0];
 pub struct Evaluation {
     /// Factor on the relief.
     pub factor: f64,
-    /// Number of completed tasks.
     pub completed: usize,
-    /// Number of tasks.
     pub tasks: usize,
 }
 
@@ -40,7 +38,6 @@ impl Evaluation {
     }
 }
 
-/// A search for one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
     target: f64,
@@ -57,7 +54,6 @@ impl Search {
         Self { target, tolerance, most, done: Vec::new() }
     }
 
-    /// Takes what was found.
     pub fn add(&mut self, evaluation: Evaluation) {
         self.done.push(evaluation);
     }

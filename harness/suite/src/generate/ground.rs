@@ -17,9 +17,7 @@ const DRAWS: usize = 1_000_000;
 /// The clusters of a world found no patches of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NoPatch {
-    /// The number of clusters.
     pub(crate) clusters: usize,
-    /// The number of draws that were made.
     pub(crate) draws: usize,
 }
 

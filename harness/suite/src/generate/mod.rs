@@ -39,73 +39,37 @@ use vb_world::{
     SuiteWriter, Task, World, WorldInfo,
 };
 
-/// The reason why no suite was generated.
 #[derive(Debug, thiserror::Error)]
 pub enum GenerateError {
-    /// The terrain model can't draw such a surface.
     #[error("{grid} or elevation: {source}")]
     Surface {
         /// The rules' name for the nodes and the distance between them.
         grid: &'static str,
-        /// The reason that the terrain model gives.
         source: vb_terrain::GenerateError,
     },
-    /// No ground is fit for a start and a goal.
     #[error(
         "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: {why}"
     )]
     NoStart {
-        /// The name of the world.
         world: String,
         /// The distance between start and goal, m.
         distance: f64,
-        /// The rule that is broken most often, and what to do.
         why: NoStarts,
     },
-    /// The clusters of ground find no patches of their own.
     #[error(
         "{world}: {clusters} clusters found no patches of their own in {draws} draws: raise ground.centre_spread, or lower ground.clusters"
     )]
-    NoPatch {
-        /// The name of the world.
-        world: String,
-        /// The number of clusters.
-        clusters: usize,
-        /// The number of draws that were made.
-        draws: usize,
-    },
-    /// The rules leave no room for the obstacles.
+    NoPatch { world: String, clusters: usize, draws: usize },
     #[error(
         "{world}: obstacle {index} found no place in {attempts} draws: lower obstacles.boulders, obstacles.spacing or obstacles.task_clearance, or raise obstacles.attempts"
     )]
-    NoRoom {
-        /// The name of the world.
-        world: String,
-        /// The index of the obstacle.
-        index: usize,
-        /// The number of draws that were made.
-        attempts: usize,
-    },
+    NoRoom { world: String, index: usize, attempts: usize },
     /// The obstacles leave no way, however often they are drawn.
     #[error("{world}/{task}: {source} (obstacles were drawn {layouts} times)")]
-    NoWay {
-        /// The name of the world.
-        world: String,
-        /// The name of the task.
-        task: String,
-        /// The number of layouts that were tried.
-        layouts: usize,
-        /// The reason why the last one failed.
-        source: PathError,
-    },
+    NoWay { world: String, task: String, layouts: usize, source: PathError },
     /// The rules contradict each other in a way that only the world shows.
     #[error("{world}: {flaw}: change the rule that causes it")]
-    World {
-        /// The name of the world.
-        world: String,
-        /// The flaw of the world.
-        flaw: Flaw,
-    },
+    World { world: String, flaw: Flaw },
     /// The rules do not suit the terrain model.
     #[error(transparent)]
     Rules(#[from] ParamsError),
@@ -140,18 +104,14 @@ pub const TRAINING_SEEDS: RangeInclusive<u64> = 7000..=7999;
 /// The things that a suite of generated worlds follows from.
 #[derive(Clone, Copy, Debug)]
 pub struct Generator<'a> {
-    /// The rules.
     pub rules: &'a GeneratorParams,
     /// The terrain model that [`ElevationParams::model`] names.
     pub model: &'a Model,
-    /// The seed.
     pub seed: u64,
-    /// The number of worlds.
     pub worlds: usize,
 }
 
 impl Generator<'_> {
-    /// The metadata of the suite, under this name and version.
     #[must_use]
     pub fn meta(&self, name: &str, version: &str) -> SuiteMeta {
         let (rules, seed) = (self.rules, self.seed);
@@ -183,9 +143,6 @@ impl Generator<'_> {
     }
 
     /// Generates the worlds at these indices alone, under the names that they have in the whole suite.
-    ///
-    /// # Errors
-    /// Returns an error if the rules leave no room or no way, or the suite cannot be written.
     pub fn write_some(
         &self,
         dir: impl AsRef<Path>,
@@ -303,9 +260,6 @@ pub(crate) fn provenance(builder: impl Display, rules: &str, model: &str, seed: 
 }
 
 /// Draws obstacles until there is a path from every start to its goal, and gives the world its tasks.
-///
-/// # Errors
-/// Returns an error if the rules leave no room or no way.
 pub(crate) fn furnish(
     world: &mut World,
     params: &ObstacleParams,
@@ -330,9 +284,6 @@ pub(crate) fn furnish(
 }
 
 /// Gives a world with its obstacles tasks from every start to its goal.
-///
-/// # Errors
-/// Returns an error if there is no way.
 pub(crate) fn plan_tasks(
     world: &mut World,
     path: &PathParams,

@@ -6,20 +6,15 @@ use serde::Deserialize;
 use vb_terrain::{Model, ShapeParams, Shaping};
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
-/// One value for each elevation level.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByElevation {
-    /// The value for low worlds.
     pub low: f64,
-    /// The value for medium worlds.
     pub medium: f64,
-    /// The value for high worlds.
     pub high: f64,
 }
 
 impl ByElevation {
-    /// The value for a level.
     #[must_use]
     pub fn get(&self, level: Elevation) -> f64 {
         match level {
@@ -31,7 +26,6 @@ impl ByElevation {
 }
 
 impl ByElevation {
-    /// Sets the value for a level.
     pub fn set(&mut self, level: Elevation, value: f64) {
         match level {
             Elevation::Low => self.low = value,
@@ -41,15 +35,11 @@ impl ByElevation {
     }
 }
 
-/// One number for each obstacle density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByDensity {
-    /// The number for sparse worlds.
     pub sparse: usize,
-    /// The number for medium worlds.
     pub medium: usize,
-    /// The number for dense worlds.
     pub dense: usize,
 }
 
@@ -60,7 +50,6 @@ impl ByDensity {
         Self { sparse: times(self.sparse), medium: times(self.medium), dense: times(self.dense) }
     }
 
-    /// The number for a density.
     #[must_use]
     pub fn get(&self, density: Density) -> usize {
         match density {
@@ -71,20 +60,15 @@ impl ByDensity {
     }
 }
 
-/// One value for each kind of ground.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByGround<T> {
-    /// The value for rigid worlds.
     pub rigid: T,
-    /// The value for deformable worlds.
     pub deformable: T,
-    /// The value for mixed worlds.
     pub mixed: T,
 }
 
 impl<T: Copy> ByGround<T> {
-    /// The value for a kind of ground.
     #[must_use]
     pub fn get(&self, ground: Terrain) -> T {
         match ground {
@@ -105,7 +89,6 @@ pub struct GridParams {
     pub resolution: f64,
 }
 
-/// The heights of the surface.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElevationParams {
@@ -140,9 +123,7 @@ fn shape_flaw((field, problem): (String, String)) -> ParamsError {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Normal {
-    /// The mean of the distribution.
     pub mean: f64,
-    /// The standard deviation of the distribution.
     pub std: f64,
 }
 
@@ -152,19 +133,12 @@ pub struct Normal {
 pub struct FrictionParams {
     /// The least and the largest value.
     pub clip: [f64; 2],
-    /// The distribution on clay.
     pub clay: Normal,
-    /// The distribution on concrete.
     pub concrete: Normal,
-    /// The distribution on dirt.
     pub dirt: Normal,
-    /// The distribution on grass.
     pub grass: Normal,
-    /// The distribution on gravel.
     pub gravel: Normal,
-    /// The distribution on rock.
     pub rock: Normal,
-    /// The distribution on wood.
     pub wood: Normal,
 }
 
@@ -197,17 +171,13 @@ pub struct GroundParams {
     pub clusters: ByGround<[usize; 2]>,
     /// The standard deviation of a cluster's centre about the middle, as a share of the side.
     pub centre_spread: f64,
-    /// The friction of the rigid classes.
     pub friction: FrictionParams,
 }
 
-/// The obstacles of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleParams {
-    /// The number of boulders.
     pub boulders: ByDensity,
-    /// The number of trees.
     pub trees: ByDensity,
     /// The extents of a boulder of scale 1, m.
     pub boulder_size: [f64; 3],
@@ -254,7 +224,6 @@ pub struct TaskParams {
     pub count: usize,
     /// The radius of the circle that starts and goals lie on, m.
     pub radius: f64,
-    /// The conditions of the ground at starts and goals.
     pub stand: StandParams,
 }
 
@@ -284,19 +253,12 @@ pub struct StandParams {
 #[serde(deny_unknown_fields)]
 pub struct GeneratorParams {
     schema: u32,
-    /// The name of this set of rules.
     pub name: String,
-    /// The nodes of the surface.
     pub grid: GridParams,
-    /// The heights of the surface.
     pub elevation: ElevationParams,
-    /// The semantic patches of the ground.
     pub ground: GroundParams,
-    /// The obstacles.
     pub obstacles: ObstacleParams,
-    /// The starts and goals.
     pub tasks: TaskParams,
-    /// The parameters of the global planner.
     pub path: PathParams,
 }
 
@@ -311,7 +273,6 @@ impl GeneratorParams {
     /// The text of `tasks/generator/default.yaml`, a starting point for one's own rules.
     pub const DEFAULT_YAML: &str = include_str!("../../../../tasks/generator/default.yaml");
 
-    /// The text of `tasks/generator/paper.yaml`.
     pub const PAPER_YAML: &str = include_str!("../../../../tasks/generator/paper.yaml");
 
     /// The rules in `tasks/generator/paper.yaml`: the paper's recipe, with 30, 60 and 100 % of the relief.

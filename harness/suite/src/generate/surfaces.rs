@@ -35,11 +35,10 @@ pub(crate) struct Surfaces<'a> {
     pub(crate) std: f64,
     /// Step of the heights, m; `None`: as fine as 16 bits over the surface's own range.
     pub(crate) step: Option<f64>,
-    /// What they are covered with.
     pub(crate) semantics: &'a Semantics,
     /// The tasks that must find room.
     pub(crate) tasks: &'a TaskParams,
-    /// What the rules call these.
+    /// The rules' names for what surfaces follow from, for messages.
     pub(crate) fields: Fields,
 }
 

@@ -21,44 +21,21 @@ use vb_world::{
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The directory does not have the original's layout.
     #[error("{}: no world found: name the original's BenchMaps folder, one that holds sampled_maps/Worlds and sampled_maps/Configs/Final", dir.display())]
-    NothingFound {
-        /// The directory.
-        dir: PathBuf,
-    },
-    /// A file or directory could not be read.
+    NothingFound { dir: PathBuf },
     #[error("{}: cannot read: {source}; each world needs Worlds/ID.bmp, Configs/Final/configID_LEVEL.yaml and labelsID_LEVEL.npy", path.display())]
-    Read {
-        /// The path of the file or directory.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: std::io::Error,
-    },
-    /// The content of a file is not what it must be.
+    Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {field}: {problem}", file.display())]
     Invalid {
-        /// The path of the file.
         file: PathBuf,
-        /// The field in the file.
         field: String,
         /// The value, and what would be right.
         problem: String,
     },
-    /// A task has no path.
     #[error("{}: positions[{index}]: {source}", file.display())]
-    Path {
-        /// The path of the config.
-        file: PathBuf,
-        /// The index of the pair of start and goal.
-        index: usize,
-        /// The reason why there is no path.
-        source: PathError,
-    },
-    /// The world that the files describe cannot be.
+    Path { file: PathBuf, index: usize, source: PathError },
     #[error("{}: the imported world is not valid: {flaw}", file.display())]
     World {
-        /// The path of the config.
         file: PathBuf,
         /// The flaw, in the terms of our format.
         flaw: Flaw,
@@ -161,7 +138,6 @@ impl Source {
         self.configs.keys().copied()
     }
 
-    /// The metadata of the imported suite.
     #[must_use]
     pub fn meta(&self) -> SuiteMeta {
         let count = self.configs.len();
@@ -238,9 +214,6 @@ impl Source {
 }
 
 /// Imports all worlds that are there; see [`Source`] for one at a time.
-///
-/// # Errors
-/// Returns the errors of [`Source::find`] and [`Source::world`].
 pub fn import(dir: impl AsRef<Path>) -> Result<(SuiteMeta, Vec<World>), ImportError> {
     let source = Source::find(dir)?;
     let worlds = source.ids().map(|id| source.world(id)).collect::<Result<_, _>>()?;

@@ -44,11 +44,9 @@ pub enum Cut {
     Tiles,
 }
 
-/// The reason why a survey became no suite.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SiteError {
-    /// A world doesn't fit into the survey.
     #[error(
         "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take another place (--at), or rules with a smaller `side` (--site FILE, a copy of tasks/generator/site.yaml)",
         at[0], at[1], extents[0], extents[1]
@@ -61,20 +59,17 @@ pub enum SiteError {
         /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// The survey has room for more worlds than a suite is made of.
     #[error(
         "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, and {MOST_WORLDS} at most are made: take a larger `side` (--site FILE), cut the survey into several, or make one world of it (--at)",
         extents[0], extents[1]
     )]
     TooMany {
-        /// The number of worlds that there is room for.
         worlds: f64,
         /// The side of a world, m.
         side: f64,
         /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// The grid on which paths are searched is too fine for such a world.
     #[error(
         "path.grid: {grid} is too fine for worlds of {side} m: take {finest} or more (--params FILE), or a smaller `side` (--site FILE)"
     )]
@@ -83,10 +78,9 @@ pub enum SiteError {
         grid: f64,
         /// The side of a world, m.
         side: f64,
-        /// The finest grid of such a world, m.
+        /// The finest grid of a world of this side, m.
         finest: f64,
     },
-    /// The height of a place was not measured.
     #[error(
         "no height is known at ({:.1}, {:.1}) m from the survey's middle: fill the hole, or take another place (--at)", at[0], at[1]
     )]
@@ -94,17 +88,14 @@ pub enum SiteError {
         /// The place (x, y), m from the survey's middle.
         at: [f64; 2],
     },
-    /// The legend doesn't have a label.
     #[error(
         "label {label} at ({:.1}, {:.1}) m from the survey's middle is not in ground.legend: add it with its class", at[0], at[1]
     )]
     Label {
-        /// The value of the label.
         label: f64,
         /// The place (x, y) of the label, m from the survey's middle.
         at: [f64; 2],
     },
-    /// The labels cover another rectangle than the heights.
     #[error(
         "labels of {} by {} samples can't cover the survey's {} m by {} m with square ones: cut them to the same rectangle", samples[0], samples[1], extents[0], extents[1]
     )]
@@ -114,7 +105,6 @@ pub enum SiteError {
         /// The extents of the survey along x and y, m.
         extents: [f64; 2],
     },
-    /// The heights differ so much that their unit must be wrong.
     #[error(
         "heights about ({:.1}, {:.1}) m rise by {relief:.1} m within {side} m (median slope {slope:.0} degrees), which is no ground to drive on: \
          is the unit right? Give the metres of one unit of the file's values with --unit (centimetres: --unit 0.01, feet: --unit 0.3048, \
@@ -135,7 +125,6 @@ pub enum SiteError {
         "{source} (heights rise by {relief:.1} m within {side} m, median slope {slope:.0} degrees: if that is too much, give the right unit with --unit)"
     )]
     Steep {
-        /// The reason.
         source: Box<GenerateError>,
         /// The side of the world, m.
         side: f64,
@@ -231,7 +220,6 @@ impl<'a> Site<'a> {
         Ok(Self { obstacles, any_relief, heights, labels, centres, density, site, rules, seed })
     }
 
-    /// The number of the worlds.
     #[must_use]
     pub fn count(&self) -> usize {
         self.centres.len()

@@ -11,9 +11,7 @@ use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteParams {
-    /// The version of the file's format.
     pub schema: u32,
-    /// The name of the rules.
     pub name: String,
     /// The distance between the nodes of a world, m.
     pub resolution: f64,
@@ -21,7 +19,6 @@ pub struct SiteParams {
     pub patch: f64,
     /// The side of a world, m.
     pub side: f64,
-    /// The rules for the material of the ground.
     pub ground: SiteGround,
 }
 
@@ -41,7 +38,6 @@ pub struct SiteGround {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundRule {
-    /// The class of such ground.
     pub class: TerrainClass,
     /// The least and the greatest slope, degrees.
     #[serde(default = "always")]
@@ -70,7 +66,6 @@ impl Default for SiteParams {
 }
 
 impl SiteParams {
-    /// The text of the built-in rules.
     pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/site.yaml");
 
     /// Reads rules from YAML.

@@ -24,16 +24,13 @@ const FIELDS: Fields = Fields { grid: "bed", stand: "stand", distance: "trials.d
 /// The things that a suite of beds follows from.
 #[derive(Clone, Copy, Debug)]
 pub struct Testbed<'a> {
-    /// The rules.
     pub rules: &'a TestbedParams,
     /// The terrain model that [`BedElevation::model`] names.
     pub model: &'a Model,
-    /// The seed.
     pub seed: u64,
 }
 
 impl Testbed<'_> {
-    /// The metadata of the suite, under this name and version.
     #[must_use]
     pub fn meta(&self, name: &str, version: &str) -> SuiteMeta {
         let (rules, seed) = (self.rules, self.seed);

@@ -14,19 +14,12 @@ use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw, within};
 #[serde(deny_unknown_fields)]
 pub struct TestbedParams {
     schema: u32,
-    /// The name of the rules.
     pub name: String,
-    /// The size of the bed.
     pub bed: BedParams,
-    /// The heights of the beds.
     pub elevation: BedElevation,
-    /// The materials that the bed is covered with.
     pub materials: Materials,
-    /// The task and its repetitions.
     pub trials: TrialParams,
-    /// The conditions of the ground at start and goal.
     pub stand: StandParams,
-    /// The parameters of the global planner.
     pub path: PathParams,
 }
 
@@ -42,7 +35,6 @@ pub struct BedParams {
     pub patch: f64,
 }
 
-/// The heights of the beds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedElevation {
@@ -52,7 +44,6 @@ pub struct BedElevation {
     pub beds: Vec<BedLevel>,
 }
 
-/// The heights of one bed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedLevel {
@@ -62,7 +53,6 @@ pub struct BedLevel {
     pub std: f64,
 }
 
-/// The materials that beds are covered with.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Materials {
@@ -72,11 +62,9 @@ pub struct Materials {
     pub all: Vec<Material>,
 }
 
-/// One material.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// The name of the material, for people.
     pub name: String,
     /// The class that planners are told, a rigid one.
     pub class: TerrainClass,
@@ -87,7 +75,6 @@ pub struct Material {
 }
 
 impl Material {
-    /// Coulomb friction of its patches.
     pub(super) fn friction(&self) -> Normal {
         Normal { mean: self.mean, std: self.std }
     }
@@ -101,7 +88,6 @@ pub struct TrialParams {
     pub count: usize,
     /// The distance from start to goal, m.
     pub distance: f64,
-    /// The noise by which the starts differ.
     pub noise: StartNoise,
 }
 
@@ -123,7 +109,6 @@ impl Default for TestbedParams {
 }
 
 impl TestbedParams {
-    /// The text of the built-in rules.
     pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/testbed.yaml");
 
     /// Reads rules from YAML.

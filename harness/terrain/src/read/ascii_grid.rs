@@ -84,7 +84,6 @@ struct Header {
     no_data: Option<f64>,
 }
 
-/// Reads a grid.
 pub(super) fn read(path: &Path, size: u64) -> Result<Found, Flaw> {
     let mut words = Words { source: BufReader::with_capacity(1 << 16, open(path)?), word: Vec::new() };
     let mut header = Header::default();

@@ -32,7 +32,6 @@ impl Lay {
     }
 }
 
-/// What a reader found.
 pub(super) struct Found {
     pub(super) format: &'static str,
     /// Values as the file has them.

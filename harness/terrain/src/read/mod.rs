@@ -49,39 +49,24 @@ pub enum Holes {
     Keep,
 }
 
-/// Why an elevation file can't be used.
 #[derive(Debug, Error)]
 #[error("{}: {flaw}", path.display())]
 pub struct ReadError {
-    /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
     pub flaw: Flaw,
 }
 
-/// What is wrong with an elevation file.
 #[derive(Debug, Error)]
 pub enum Flaw {
-    /// The file can't be opened or read.
     #[error("can't be read: {0}")]
     Unreadable(#[from] std::io::Error),
     /// The content is none that there is a reader for.
     #[error("{0}")]
     Format(String),
-    /// It holds more than a reader takes.
     #[error("{found} {unit} are more than {limit}: cut it into parts")]
-    TooLarge {
-        /// How many there are.
-        found: u64,
-        /// How many may be.
-        limit: u64,
-        /// Of what.
-        unit: &'static str,
-    },
-    /// It ends before its data do.
+    TooLarge { found: u64, limit: u64, unit: &'static str },
     #[error("was cut short ({0}): restore the file")]
     Truncated(String),
-    /// It is not what its ending says, or damaged.
     #[error("{0}: it is damaged, restore it")]
     Damaged(String),
     /// It is sound, but stored in a way that is not read; the text says how to convert it.
@@ -90,40 +75,24 @@ pub enum Flaw {
     /// It has another number of dimensions than two, or several bands.
     #[error("holds {0}")]
     Rank(String),
-    /// Its samples are of a type that heights are not stored in.
     #[error("samples are {found}: must be {wanted}")]
-    Type {
-        /// The type in the file.
-        found: String,
-        /// Those that are read.
-        wanted: &'static str,
-    },
-    /// It is no surface.
+    Type { found: String, wanted: &'static str },
     #[error("has {rows} rows and {cols} columns: a surface needs at least 2 of each")]
-    TooSmall {
-        /// Number of rows.
-        rows: u64,
-        /// Number of columns.
-        cols: u64,
-    },
-    /// Some places are marked as not measured.
+    TooSmall { rows: u64, cols: u64 },
     #[error(
         "{count} samples are marked as no data (first at row {row}, column {col}): fill the holes or cut a part without"
     )]
     NoData {
-        /// How many.
         count: usize,
         /// Row of the first, from the north.
         row: usize,
         /// Column of the first, from the west.
         col: usize,
     },
-    /// Some heights are no numbers.
     #[error(
         "{count} samples are NaN or infinite (first at row {row}, column {col}): fill the holes or mark them as no data"
     )]
     NotFinite {
-        /// How many.
         count: usize,
         /// Row of the first, from the north.
         row: usize,
@@ -134,21 +103,13 @@ pub enum Flaw {
     #[error(
         "{count} samples are {value}, far from all others, which looks like no data without a mark: mark it with gdal_edit.py -a_nodata {value}, and fill the holes"
     )]
-    Unmarked {
-        /// The value.
-        value: f64,
-        /// How many there are.
-        count: usize,
-    },
-    /// No place is measured.
+    Unmarked { value: f64, count: usize },
     #[error("all samples are marked as no data: take another file or band")]
     NoHeights,
-    /// The mark of no data is no number.
     #[error(
         "its mark of no data is {0:?}, which is no number: correct it with gdal_edit.py -a_nodata VALUE, or give the value with --no-data"
     )]
     Mark(String),
-    /// The unit of heights is not known.
     #[error("heights are in {0}, a unit that is not known: give the metres that one is with --unit")]
     HeightUnit(String),
     /// Its coordinate system or pixel size can't be used.
@@ -158,9 +119,6 @@ pub enum Flaw {
 
 /// Reads an elevation file. Heights are in metres where the file says or implies their unit, grey levels of pictures as whole
 /// numbers.
-///
-/// # Errors
-/// [`ReadError`]: whatever keeps the file from being a surface.
 pub fn read(path: &Path, holes: Holes) -> Result<ElevationImage, ReadError> {
     survey(path, &Options { holes, ..Options::default() }).map(|survey| survey.heights)
 }

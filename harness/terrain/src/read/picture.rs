@@ -11,9 +11,7 @@ use crate::ElevationImage;
 /// A picture whose header was read and whose pixels were not, so that a caller can refuse it before memory is taken for
 /// them.
 pub struct Picture<'a> {
-    /// The number of rows of pixels.
     pub rows: u64,
-    /// The number of columns of pixels.
     pub cols: u64,
     /// How a bitmap stores its pixels; `None` for a PNG.
     pub bitmap: Option<Bitmap>,

@@ -44,7 +44,6 @@ fn hide(found: &mut Found, hidden: impl Iterator<Item = bool>) {
     found.no_data.iter_mut().zip(hidden).for_each(|(hole, hidden)| *hole |= hidden);
 }
 
-/// A metadata file.
 struct Metadata {
     /// Its path, for messages.
     name: String,
@@ -80,7 +79,6 @@ impl Metadata {
         self.unit(band, found, options)
     }
 
-    /// Scale and offset of the values.
     fn scale(&self, band: Node<'_, '_>, found: &mut Found) -> Result<(), Flaw> {
         let one = |tag: &str, default: f64| match child(band, tag) {
             None => Ok(default),
@@ -114,7 +112,6 @@ impl Metadata {
         Ok(())
     }
 
-    /// The unit of the heights.
     fn unit(&self, band: Node<'_, '_>, found: &mut Found, options: &Options) -> Result<(), Flaw> {
         let Some(text) = child(band, "UnitType").filter(|_| options.unit.is_none()) else { return Ok(()) };
         let unit = Length::named(text)

@@ -10,7 +10,6 @@ use super::Holes;
 /// How an elevation file is read where it leaves something open.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// What to do with places without a height.
     pub holes: Holes,
     /// Metres that one unit of the values is high, whatever the file says.
     pub unit: Option<f64>,
@@ -29,9 +28,7 @@ pub struct Options {
 /// Where a statement comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Said {
-    /// The file says so.
     File,
-    /// The caller says so.
     Caller,
     /// Nobody says so; in brackets why it was assumed, or nothing.
     Assumed(&'static str),
@@ -61,7 +58,6 @@ impl Place {
 pub struct Survey {
     /// Heights in metres, first row in the north; holes are NaN.
     pub heights: ElevationImage,
-    /// The name of the file's format.
     pub format: &'static str,
     /// Rows and columns of the file.
     pub samples: [usize; 2],

@@ -17,7 +17,6 @@ use vb_vehicle::VehicleSpec;
 /// What a run of events gave.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The vehicle.
     pub vehicle: VehicleSpec,
     /// The step, s.
     pub step: f64,
@@ -27,12 +26,9 @@ pub struct Report {
     pub results: Vec<EventResult>,
 }
 
-/// How many checks ended how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// As expected.
     pub passed: usize,
-    /// Not as expected.
     pub failed: usize,
     /// Shown beside an unsound reference, not judged.
     pub shown: usize,
@@ -132,9 +128,6 @@ impl Report {
 
     /// Writes `report.html`, `results.json`, `series/EVENT-CASE.csv` and, of drives in a set-up, `series/EVENT-CASE-KIND.csv`
     /// to a directory, which is made if it isn't there.
-    ///
-    /// # Errors
-    /// [`ValidateError::Write`].
     pub fn write(&self, dir: &Path) -> Result<(), ValidateError> {
         let series = dir.join("series");
         let failed = |path: &Path, e: std::io::Error| ValidateError::Write {

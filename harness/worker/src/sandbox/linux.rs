@@ -65,9 +65,6 @@ fn close_descriptors_from(first: i32) {
 /// Confines this process, a compiler, to computing within these limits of memory (beside what it has now, bytes) and of
 /// processor time (s), and to the descriptors that it has. Other means than the limits are used where the system has them:
 /// what is compiled is not run, so that they only guard against flaws of the compiler.
-///
-/// # Errors
-/// If the limits can't be set.
 pub fn confine_compiler(memory_bytes: u64, seconds: u64) -> io::Result<()> {
     let data = data_in_use(&mut File::open("/proc/self/statm")?)?;
     let limits = limit(&[

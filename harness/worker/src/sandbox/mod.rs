@@ -84,9 +84,6 @@ mod elsewhere {
     use std::io;
 
     /// Elsewhere a compiler has no limits but the clock's.
-    ///
-    /// # Errors
-    /// None.
     pub fn confine_compiler(_memory_bytes: u64, _seconds: u64) -> io::Result<()> {
         Ok(())
     }

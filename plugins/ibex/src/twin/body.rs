@@ -23,7 +23,6 @@ pub(super) struct Push {
 }
 
 impl Push {
-    /// Weight.
     pub(super) fn weight(mass: f32) -> Self {
         Self { force: V3::all([0.0, 0.0, -mass * GRAVITY]), moment: V3::all([0.0; 3]) }
     }

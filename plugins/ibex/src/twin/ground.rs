@@ -42,7 +42,6 @@ const DEEPER: [f32; 2] = [0.15, 4.0];
 /// Nodes that are looked at under the hull lie at least a part of the vehicle's length apart.
 const NODES: f64 = 5.0;
 
-/// The ground.
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
     heights: Vec<f32>,

@@ -18,7 +18,6 @@ const SHARED: f32 = 2.0;
 /// A contact's friction slows at most this part of the vehicle in a step.
 const HELD: f32 = 0.35;
 
-/// A contact.
 #[derive(Clone, Copy)]
 struct Touch {
     depth: f32x8,

@@ -81,7 +81,6 @@ pub struct State {
 
 /// What the driver does in a step.
 struct Controls {
-    /// The steering command.
     steering: f32x8,
     /// Throttle, or brake below 0.
     pedal: f32x8,

@@ -15,7 +15,6 @@ pub(super) fn within(value: f32x8, most: f32x8) -> f32x8 {
     value.max(-most).min(most)
 }
 
-/// A vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct V3 {
     pub(super) x: f32x8,

@@ -29,7 +29,6 @@ const COMPACTION: [f32; 2] = [0.75, 0.4];
 /// The speed below which resistances end, m/s at full scale.
 const SLOW: f32 = 0.3;
 
-/// A wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wheel {
     /// The suspension travel from the design position, m, positive in compression.

@@ -3,7 +3,7 @@
 #[rustfmt::skip]
 mod convert;
 
-#[allow(missing_docs, unreachable_pub, clippy::all)]
+#[allow(unreachable_pub, clippy::all)]
 pub(super) mod bindings {
     //! The types generated from the interface's text.
     wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../sdk/wit/v0_2" });

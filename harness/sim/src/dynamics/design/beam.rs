@@ -8,7 +8,6 @@ use std::sync::Arc;
 use vb_vehicle::kinematics::BeamAxle;
 use vb_vehicle::suspension::{self, Linkage};
 
-/// The beam between two wheels.
 #[derive(Clone)]
 pub(crate) struct Beam {
     pub(crate) kinematics: Arc<BeamAxle>,

@@ -70,7 +70,6 @@ pub(crate) struct Corner {
     pub(crate) stops: Option<Stops>,
 }
 
-/// What guides a wheel.
 #[derive(Clone)]
 pub(crate) enum Guide {
     /// A linkage of its own.
@@ -217,7 +216,6 @@ impl Design {
         (mass, inertia, com)
     }
 
-    /// The outline of a corner's tyre.
     pub(crate) fn envelope(&self, c: &Corner) -> &Envelope {
         self.tyres[c.tyre].envelope()
     }

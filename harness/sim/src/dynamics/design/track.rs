@@ -109,7 +109,6 @@ impl Track {
         })
     }
 
-    /// Number of its wheels.
     pub(crate) fn count(&self) -> usize {
         self.course.discs().len()
     }

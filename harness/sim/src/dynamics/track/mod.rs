@@ -105,11 +105,8 @@ pub(super) fn pull_tracks(
     }
 }
 
-/// One track in a step.
 struct TrackStep<'a> {
-    /// What it is.
     track: &'a Track,
-    /// Its state.
     belt: &'a mut Belt,
     /// How it lies, and what pushes it along.
     laid: &'a mut Laid,

@@ -91,7 +91,6 @@ impl TrackStep<'_> {
         }
     }
 
-    /// Forces of the soil on the track.
     pub(super) fn press_soil(
         &mut self,
         kinematics: &Kinematics<'_>,

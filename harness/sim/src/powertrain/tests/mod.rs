@@ -79,14 +79,12 @@ fn dynamometer() -> VehicleSpec {
     v
 }
 
-/// A powertrain on a bench.
 struct Bench {
     drive: Drive,
     spins: Vec<f64>,
     moments: Vec<f64>,
     brakes: Vec<f64>,
     torques: Vec<f64>,
-    /// What the driver asks for.
     gear: Gear,
 }
 

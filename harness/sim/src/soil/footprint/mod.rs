@@ -30,7 +30,6 @@ pub(crate) const TRACK: usize = 48;
 /// Time over which the width of the contact that enters Bekker's pressure follows the contact, s.
 const BREADTH_LAG: f64 = 0.02;
 
-/// What the soil does to a wheel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SoilForce {
     pub(crate) force: V3,

@@ -48,7 +48,6 @@ struct Body {
 const NOT_HERE: f64 = -1.0;
 
 impl<const N: usize> Footprint<N> {
-    /// Presses the wheel into the soil.
     #[allow(clippy::too_many_arguments, reason = "wheel, ground and what comes of them")]
     #[inline(always)]
     pub(super) fn press<S: Simd>(

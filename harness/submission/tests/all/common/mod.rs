@@ -1,7 +1,7 @@
 //! A small suite, a run of a real planner over it, and what forgers do.
 
 // Helpers of tests may unwrap as tests do, and not every test needs all of them.
-#![allow(clippy::unwrap_used, dead_code, missing_docs)]
+#![allow(clippy::unwrap_used, dead_code)]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -26,11 +26,9 @@ pub struct Transcript {
     pub params: Vec<(String, String)>,
     /// The global path, m.
     pub path: Vec<[f64; 2]>,
-    /// The steps in order.
     pub steps: Vec<Step>,
 }
 
-/// One step.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
@@ -93,7 +91,6 @@ pub fn number(bits: &str) -> f64 {
     f64::from_bits(u64::from_str_radix(bits, 16).unwrap())
 }
 
-/// The bits of a command.
 pub fn bits(command: &Command) -> [String; 3] {
     [command.steering, command.throttle, command.brake].map(|x| format!("{:016x}", x.to_bits()))
 }

@@ -64,7 +64,7 @@ fn module(signature: &str, body: &str) -> Vec<u8> {
 #[track_caller]
 fn check(signature: &str, body: &str, expected: &[&str]) {
     let rewritten = rewrite(&module(signature, body)).unwrap();
-    Validator::new_with_features(engine::FEATURES).validate_all(&rewritten).unwrap();
+    Validator::new_with_features(FEATURES).validate_all(&rewritten).unwrap();
     assert_eq!(canonical_in(&rewritten), expected, "{body}");
 }
 

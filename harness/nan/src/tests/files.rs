@@ -2,7 +2,7 @@
 
 use wasmparser::{Payload, Validator};
 
-use super::super::{Unfit, engine, rewrite};
+use super::super::{FEATURES, Unfit, rewrite};
 use super::{canonical_in, module};
 
 /// The sections of a file and of all that is nested in it, without those of code.
@@ -47,7 +47,7 @@ fn modules_in_components_are_rewritten_and_all_else_stays() {
     );
     let file = wat::parse_str(&text).unwrap();
     let rewritten = rewrite(&file).unwrap();
-    Validator::new_with_features(engine::FEATURES).validate_all(&rewritten).unwrap();
+    Validator::new_with_features(FEATURES).validate_all(&rewritten).unwrap();
     assert_eq!(canonical_in(&rewritten), ["F32Add", "F32Mul", "F32Sub"]);
     assert_eq!(sections(&rewritten), sections(&file));
 }

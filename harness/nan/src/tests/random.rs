@@ -3,11 +3,10 @@
 use sha2::{Digest as _, Sha256};
 use wasmtime::{Config, Engine, Instance, Module, Store, Val};
 
-use super::super::{engine, rewrite};
+use super::super::operators::{Action, action};
+use super::super::{FEATURES, rewrite};
 use super::programs::{BYTES, program};
 use super::{bodies, canonical_in};
-use crate::Limits;
-use crate::wasm::canonical::operators::{Action, action};
 
 /// Programs that are tried; all take some seconds.
 const PROGRAMS: u64 = 600;
@@ -17,7 +16,8 @@ const EMULATED: u64 = 150;
 const FUEL: u64 = 100_000_000;
 
 fn engine_with(change: impl Fn(&mut Config)) -> Engine {
-    let mut config = engine::config(&Limits::default()).unwrap();
+    let mut config = Config::new();
+    config.consume_fuel(true).wasm_features(FEATURES.complement(), false).wasm_features(FEATURES, true);
     change(&mut config);
     Engine::new(&config).unwrap()
 }
