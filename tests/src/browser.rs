@@ -64,7 +64,6 @@ fn program() -> Option<String> {
         .map(str::to_owned)
 }
 
-/// The address of a file.
 fn address(file: &Path) -> String {
     format!("file://{}", std::path::absolute(file).unwrap().display())
 }

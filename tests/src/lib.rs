@@ -51,12 +51,9 @@ pub fn release_harness() -> PathBuf {
     built(target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX)))
 }
 
-/// What kind of plugin a planner is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PluginKind {
-    /// A WASM component.
     Wasm,
-    /// A native library.
     Native,
 }
 
@@ -160,7 +157,6 @@ impl Bench {
         map
     }
 
-    /// A JSON file.
     #[must_use]
     pub fn json(&self, name: &str) -> Value {
         serde_json::from_slice(&fs::read(self.path(name)).unwrap()).unwrap()
@@ -224,11 +220,8 @@ fn value(field: &Field) -> Value {
 pub struct Done {
     /// Command line, for messages.
     what: String,
-    /// How it ended.
     pub status: ExitStatus,
-    /// What it said on its standard output.
     pub stdout: String,
-    /// What it said on its standard error.
     pub stderr: String,
 }
 
@@ -298,7 +291,6 @@ impl Watched {
     }
 }
 
-/// Copies a folder with all that is in it.
 pub fn copy_dir(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for path in fs::read_dir(from).unwrap().map(|e| e.unwrap().path()) {

@@ -10,7 +10,6 @@ use crate::{Bench, Done, copy_dir, root};
 /// A folder of tasks in which `mini`, the first two worlds of `smoke`, is a suite that comes with the harness.
 #[derive(Debug)]
 pub struct Mini {
-    /// Where commands run.
     pub bench: Bench,
 }
 
@@ -75,7 +74,6 @@ impl Mini {
         self.ok(&[&args[..], more].concat());
     }
 
-    /// A path in the folder as text.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.bench.path(name)

@@ -33,8 +33,8 @@ pub(crate) fn convergence() -> Result<(), Failure> {
         };
         let base = drive("as shipped", &[])?;
         let mut changes = vec![
-            ("half the step", vec!["--time-step", "0.5"]),
-            ("twice the step", vec!["--time-step", "2"]),
+            ("half the step", vec!["--time-step", "0.5ms"]),
+            ("twice the step", vec!["--time-step", "2ms"]),
             // What chance alone does: another speed by a thousandth.
             ("5.005 m/s", vec!["--param", "speed=5.005"]),
         ];

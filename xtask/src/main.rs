@@ -5,8 +5,10 @@ mod convergence;
 mod examples;
 mod fuzz;
 mod kernel;
+mod licences;
 mod models;
 mod options;
+mod package;
 mod pictures;
 mod plugins;
 mod portable;
@@ -43,7 +45,7 @@ Tasks:
   examples [--out DIR]  Build the example planners in C, Python and JavaScript, and install their compilers from PyPI and
                         npm into ~/.cache/verti-bench [default DIR: target/plugins]
   wheel [--portable] [--target TRIPLE] [--kernels FOLDER] [--check] [--out DIR]
-                        Make the Python package as wheel and source distribution [default DIR: target/wheels];
+                        Make the wheel of the Python package [default DIR: target/wheels];
                         --kernels: with the kernels for GPUs that `kernel` has put there;
                         --portable: for Linux with glibc 2.17 on, by zig; --target: portable, for another processor;
                         --check: install the wheel in a fresh environment, and see that it works; the first build takes
@@ -85,7 +87,8 @@ Environment:
   VB_TORCH=1            Let `wheel --check` install what policies are trained with (6 GB), and train a tiny one
   VB_LANGUAGES=1        Let `test` install those compilers too, and fail where one is missing
   VB_PYTHON=PROGRAM     Python for the tests of planners in Python [default: python3]
-  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas, pyarrow and minari, if they aren't installed
+  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pandas, pyarrow, minari, pillow and pyyaml, if they aren't
+                        installed
   VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
 /// What the usage says of a task; none if there is no such task.

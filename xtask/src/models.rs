@@ -85,8 +85,8 @@ pub(crate) fn models() -> Result<(), Failure> {
                 m.vehicle,
                 "--hz",
                 e.hz,
-                "--hours",
-                e.hours,
+                "--duration",
+                &format!("{}h", e.hours),
                 "--seed",
                 e.seed,
             ]);

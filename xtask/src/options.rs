@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::run::Failure;
 use crate::target_dir;
 
-/// What is asked for.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Options {
     /// The system that the files are for; none for this one, as everything else here is built.

@@ -8,7 +8,6 @@ use crate::{build_all, built, default_plugin_dir, root, target_dir};
 
 /// The planners of the pictures: the simplest, and the best of each kind.
 const PLANNERS: [&str; 4] = ["pid", "rl", "tal", "ibex"];
-/// The suite that they drive.
 const SUITE: &str = "smoke";
 /// The task that is filmed: one of rough ground and boulders that two of them do and two don't.
 const TASK: &str = "w009/t06";

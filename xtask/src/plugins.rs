@@ -34,8 +34,7 @@ pub(crate) fn build_one(package: &str, out: &Path) -> Result<(), Failure> {
     build_wasm(&[package.to_owned()], out)
 }
 
-/// The planners that are for users: all but those that are there to fail, or to misuse the vehicle. The Python package has the
-/// same (`_stage.py`).
+/// The planners that are for users: all but those that are there to fail, or to misuse the vehicle.
 pub(crate) fn to_drive_with() -> Result<Vec<String>, Failure> {
     let mut names = packages(crate::root())?;
     names.retain(|name| !["faulty", "wild"].contains(&name.as_str()));

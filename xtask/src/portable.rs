@@ -46,7 +46,7 @@ pub(crate) fn program_name(target: &str) -> &'static str {
 pub(crate) fn cargo(tools: &[Compiler], subcommand: &str, target: &str) -> Command {
     let mut command = Command::new("cargo-zigbuild");
     command.arg(subcommand).arg("--target").arg(with_glibc(target)).current_dir(crate::root());
-    environment(&mut command, target, tools, &[]);
+    environment(&mut command, target, tools);
     command
 }
 
@@ -64,10 +64,10 @@ pub(crate) fn flags_of_here(command: &mut Command) {
     }
 }
 
-/// Lets a command that builds for a system find the tools and the folders of Python modules, and build without this machine's
+/// Lets a command that builds for a system find the tools, and build without this machine's
 /// places in what is built.
-pub(crate) fn environment(command: &mut Command, target: &str, tools: &[Compiler], modules: &[PathBuf]) {
-    find(command, tools, modules);
+pub(crate) fn environment(command: &mut Command, target: &str, tools: &[Compiler]) {
+    find(command, tools);
     command.env("CARGO_TARGET_DIR", dir());
     // strip is there for one processor only.
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
@@ -83,18 +83,14 @@ pub(crate) fn environment(command: &mut Command, target: &str, tools: &[Compiler
     command.env_remove("RUSTFLAGS");
 }
 
-/// Lets a command find tools that pip installed, and the folders of Python modules.
-pub(crate) fn find(command: &mut Command, tools: &[Compiler], modules: &[PathBuf]) {
-    let folders = modules.iter().cloned().chain(tools.iter().map(|t| t.folder.clone()));
-    command.env("PYTHONPATH", joined(folders, None));
+/// Lets a command find tools that pip installed.
+pub(crate) fn find(command: &mut Command, tools: &[Compiler]) {
+    command.env("PYTHONPATH", joined(tools.iter().map(|t| t.folder.clone()), None));
     let path = std::env::var_os("PATH");
     command.env("PATH", joined(tools.iter().map(|t| t.folder.join("bin")), path.as_deref()));
 }
 
 /// Has rustup install the standard library for a system, if it isn't there.
-///
-/// # Errors
-/// Returns an error where there is no rustup, or it can't get the library.
 pub(crate) fn add_target(target: &str) -> Result<(), Failure> {
     output(Command::new("rustup").args(["target", "add", target])).map(|_| ()).ok_or_else(|| {
         Failure::new(format!(

@@ -1,14 +1,38 @@
-//! The archive of a release for one system, and the program installed for this user. What is put into the archive, and how, is
-//! said in `harness/python/build_backend/vertibench_build/_release.py`.
+//! The archive of a release for one system: the program with tasks and planners next to it. And the program installed for this
+//! user.
 
+use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use crate::examples::python;
+use flate2::{Compression, GzBuilder};
+use sha2::{Digest as _, Sha256};
+
+use crate::licences;
 use crate::options::Options;
+use crate::package::{copy_stripped, failure, planners, read, sources};
 use crate::run::{Failure, cargo_program, output, remove, run, step};
 use crate::targets::TASKS;
 use crate::{built, default_plugin_dir, plugins, portable, target_dir};
+
+/// Texts of the repository in the archive.
+const TEXTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
+/// Time of the files, s since 1970, without git and without `SOURCE_DATE_EPOCH`.
+const TIME: u64 = 315_532_800;
+
+/// Shells with completions, and their files.
+const FOR_SHELLS: [(&str, &str); 4] = [
+    ("bash", "vb-harness.bash"),
+    ("zsh", "_vb-harness"),
+    ("fish", "vb-harness.fish"),
+    ("powershell", "_vb-harness.ps1"),
+];
+/// Folder of the manual pages.
+const PAGES: &str = "man/man1";
+
+/// Files of an archive by path: content and mode.
+type Files = BTreeMap<String, (Vec<u8>, u32)>;
 
 fn options(args: &[&str]) -> Result<Options, Failure> {
     Options::parse("release", args, "releases", None)
@@ -42,18 +66,84 @@ pub(crate) fn release(args: &[&str]) -> Result<(), Failure> {
         for_shells(&built("vb-harness"))?
     };
     step(&format!("making the archive for {target}"));
-    let mut command = Command::new(python());
-    command.args(["-B", "-m", "vertibench_build", "release"]).arg(&out).current_dir(crate::root());
-    command.env("PYTHONPATH", crate::root().join("harness/python/build_backend"));
-    command.env("VB_RELEASE_TARGET", &target).env("VB_RELEASE_SHELL", shell);
-    command.env("VB_WHEEL_HARNESS", &program);
-    command.env("VB_WHEEL_PLUGINS", default_plugin_dir());
-    let archive = output(command.stderr(Stdio::inherit()))
-        .and_then(|told| told.lines().last().map(PathBuf::from))
-        .ok_or_else(|| Failure::new("can't make the archive (the reason is told above)"))?;
+    std::fs::create_dir_all(&out).map_err(failure(&out))?;
+    let archive = write(&out, &target, &files(&program, &shell, &target)?)?;
+    sums(&out)?;
     let size = std::fs::metadata(&archive).map_or(0, |m| m.len());
     step(&format!("{}: {:.1} MB", archive.display(), size as f64 / 1e6));
     if check { self::check(&archive, &target) } else { Ok(()) }
+}
+
+/// Returns the files of the archive.
+fn files(program: &Path, shell: &Path, target: &str) -> Result<Files, Failure> {
+    let mut files = Files::new();
+    let mut add = |path: &Path, content, mode| {
+        // Archives have forward slashes on all systems.
+        files.insert(path.to_string_lossy().replace('\\', "/"), (content, mode));
+    };
+    let stripped = target_dir().join("stripped");
+    copy_stripped(program, &stripped)?;
+    add(Path::new(portable::program_name(target)), read(&stripped)?, 0o755);
+    for file in sources("tasks")? {
+        add(&file, read(&crate::root().join(&file))?, 0o644);
+    }
+    for file in planners()? {
+        add(&Path::new("plugins").join(file.file_name().unwrap_or_default()), read(&file)?, 0o644);
+    }
+    for file in FOR_SHELLS.iter().map(|(_, file)| format!("completions/{file}")) {
+        add(Path::new(&file), read(&shell.join(&file))?, 0o644);
+    }
+    let pages = shell.join(PAGES);
+    for entry in std::fs::read_dir(&pages).map_err(failure(&pages))?.flatten() {
+        add(&Path::new(PAGES).join(entry.file_name()), read(&entry.path())?, 0o644);
+    }
+    for file in TEXTS {
+        add(Path::new(file), read(&crate::root().join(file))?, 0o644);
+    }
+    add(Path::new("LICENSE-THIRD-PARTY.txt"), licences::text(target)?.into_bytes(), 0o644);
+    Ok(files)
+}
+
+/// Writes the archive into a folder, with equal bytes for equal files, and returns its path.
+fn write(out: &Path, target: &str, files: &Files) -> Result<PathBuf, Failure> {
+    let name = format!("vertibench-{}-{target}", env!("CARGO_PKG_VERSION"));
+    let archive = out.join(format!("{name}.tar.gz"));
+    let time = time();
+    let file = File::create(&archive).map_err(failure(&archive))?;
+    let gzip = GzBuilder::new().mtime(u32::try_from(time).unwrap_or(0)).write(file, Compression::best());
+    let mut tar = tar::Builder::new(gzip);
+    for (path, (content, mode)) in files {
+        let mut header = tar::Header::new_gnu();
+        header.set_size(content.len() as u64);
+        header.set_mode(*mode);
+        header.set_mtime(time);
+        tar.append_data(&mut header, format!("{name}/{path}"), &content[..]).map_err(failure(&archive))?;
+    }
+    tar.into_inner().and_then(|gzip| gzip.finish()).map_err(failure(&archive))?;
+    Ok(archive)
+}
+
+/// Returns the time of the files, s since 1970.
+fn time() -> u64 {
+    let set = std::env::var("SOURCE_DATE_EPOCH").ok();
+    let commit =
+        || output(Command::new("git").args(["log", "-1", "--format=%ct"]).current_dir(crate::root()));
+    set.or_else(commit).and_then(|time| time.parse().ok()).unwrap_or(TIME)
+}
+
+/// Writes `SHA256SUMS` of all archives and wheels in a folder, for `sha256sum --check`.
+fn sums(out: &Path) -> Result<(), Failure> {
+    let mut lines = BTreeMap::new();
+    for entry in std::fs::read_dir(out).map_err(failure(out))?.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".tar.gz") || name.ends_with(".whl") {
+            let digest = Sha256::digest(read(&entry.path())?);
+            let hex: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+            lines.insert(name.clone(), format!("{hex}  {name}\n"));
+        }
+    }
+    let file = out.join("SHA256SUMS");
+    std::fs::write(&file, lines.into_values().collect::<String>()).map_err(failure(&file))
 }
 
 /// Installs the program as `cargo install` does, and planners where it finds them.
@@ -76,7 +166,7 @@ fn installed() -> PathBuf {
 }
 
 /// The system that this compiler is for.
-fn host() -> Result<String, Failure> {
+pub(crate) fn host() -> Result<String, Failure> {
     let told = output(Command::new("rustc").arg("-vV")).unwrap_or_default();
     let host = told.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned).ok_or_else(|| Failure::new("`rustc -vV` doesn't name its host"))
@@ -88,19 +178,14 @@ fn for_shells(program: &Path) -> Result<PathBuf, Failure> {
     let failure = |e: std::io::Error| Failure::new(format!("{}: {e}", folder.display()));
     remove(&folder)?;
     std::fs::create_dir_all(folder.join("completions")).map_err(failure)?;
-    for (shell, file) in [
-        ("bash", "vb-harness.bash"),
-        ("zsh", "_vb-harness"),
-        ("fish", "vb-harness.fish"),
-        ("powershell", "_vb-harness.ps1"),
-    ] {
+    for (shell, file) in FOR_SHELLS {
         let script = Command::new(program).args(["completions", shell]).output().map_err(failure)?;
         if !script.status.success() {
             return Err(Failure::new(format!("{} completions {shell} failed", program.display())));
         }
         std::fs::write(folder.join("completions").join(file), script.stdout).map_err(failure)?;
     }
-    run(Command::new(program).args(["man", "--out"]).arg(folder.join("man/man1")))?;
+    run(Command::new(program).args(["man", "--out"]).arg(folder.join(PAGES)))?;
     Ok(folder)
 }
 
@@ -142,6 +227,39 @@ mod tests {
         );
         assert!(options(&["--out"]).unwrap_err().to_string().contains("its value is missing"));
         assert!(options(&["--portable"]).unwrap_err().to_string().contains("--portable"));
+    }
+
+    #[test]
+    fn equal_files_give_equal_archives_and_checksums() {
+        let dir = tempfile::tempdir().unwrap();
+        let long = format!("tasks/{}/world.yaml", "w".repeat(120));
+        let files: Files = [
+            ("vb-harness".to_owned(), (b"#!".to_vec(), 0o755)),
+            ("tasks/smoke/suite.yaml".to_owned(), (b"a: 1".to_vec(), 0o644)),
+            (long.clone(), (b"b: 2".to_vec(), 0o644)),
+        ]
+        .into();
+        let made = ["a", "b"].map(|name| {
+            let out = dir.path().join(name);
+            std::fs::create_dir(&out).unwrap();
+            let archive = write(&out, "x86_64-unknown-linux-gnu", &files).unwrap();
+            sums(&out).unwrap();
+            (std::fs::read(&archive).unwrap(), std::fs::read_to_string(out.join("SHA256SUMS")).unwrap())
+        });
+        assert_eq!(made[0], made[1]);
+        let name = format!("vertibench-{}-x86_64-unknown-linux-gnu", env!("CARGO_PKG_VERSION"));
+        assert!(made[0].1.len() > 66 && made[0].1.ends_with(&format!("  {name}.tar.gz\n")), "{}", made[0].1);
+        let mut tar = tar::Archive::new(flate2::read::GzDecoder::new(&made[0].0[..]));
+        let modes: BTreeMap<String, u32> = tar
+            .entries()
+            .unwrap()
+            .map(|entry| entry.unwrap())
+            .map(|entry| {
+                (entry.path().unwrap().to_string_lossy().into_owned(), entry.header().mode().unwrap())
+            })
+            .collect();
+        let at = |path: &str| modes[&format!("{name}/{path}")];
+        assert_eq!((at("vb-harness"), at("tasks/smoke/suite.yaml"), at(&long)), (0o755, 0o644, 0o644));
     }
 
     #[test]

@@ -5,7 +5,6 @@ use std::fmt;
 use std::path::Path;
 use std::process::Command;
 
-/// Why a task failed.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 

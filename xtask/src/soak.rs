@@ -6,7 +6,6 @@ use crate::records::records;
 use crate::run::{Failure, remove, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
-/// The suite that is driven.
 const SUITE: &str = "vb-100";
 /// Ways of driving; without brakes a vehicle gets faster.
 const WAYS: [&str; 2] = ["brakes=true", "brakes=false"];

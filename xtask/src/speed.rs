@@ -10,10 +10,10 @@ use crate::{built, default_plugin_dir, root, target_dir};
 
 /// What is driven: a name for it, the planner, and the tasks of [`SUITE`].
 const DRIVES: [(&str, &str, &str); 4] = [
-    ("PID, rigid", "pid.wasm", "w*/t00:terrain=rigid"),
-    ("PID, deformable", "pid.wasm", "w*/t00:terrain=deformable"),
-    ("PID, mixed", "pid.wasm", "w*/t00:terrain=mixed"),
-    ("MPPI, rigid", "mppi.wasm", "w*/t01:terrain=rigid:elevation=medium"),
+    ("PID, rigid", "pid.wasm", "w*/t00,terrain=rigid"),
+    ("PID, deformable", "pid.wasm", "w*/t00,terrain=deformable"),
+    ("PID, mixed", "pid.wasm", "w*/t00,terrain=mixed"),
+    ("MPPI, rigid", "mppi.wasm", "w*/t01,terrain=rigid,elevation=medium"),
 ];
 const SUITE: &str = "vb-100";
 /// How often each version drives if nothing is said.
@@ -46,9 +46,10 @@ pub(crate) fn speed(other: &str, rounds: u32) -> Result<(), Failure> {
     step("| drive | simulated s | before, × real time | now | ratio (least to greatest) | state hashes |");
     step("|---|---|---|---|---|---|");
     for (name, planner, tasks) in DRIVES {
+        let tasks = names(tasks)?;
         let (mut took, mut simulated, mut changed) = ([Vec::new(), Vec::new()], 0.0, 0);
         for round in 0..rounds {
-            let by = |k: usize| drive(&versions[k], planner, tasks, &runs);
+            let by = |k: usize| drive(&versions[k], planner, &tasks, &runs);
             // In turn, since what comes second may find a warmer machine.
             let (before, now) = if round % 2 == 0 {
                 let before = by(0)?;
@@ -76,6 +77,16 @@ pub(crate) fn speed(other: &str, rounds: u32) -> Result<(), Failure> {
         versions[0].name
     ));
     Ok(())
+}
+
+/// The names of the tasks that a selector chooses, which is a selector that older versions read, too.
+fn names(selector: &str) -> Result<String, Failure> {
+    let mut list = Command::new(built("vb-harness"));
+    list.args(["tasks", "list", "--suite", SUITE, "--tasks", selector]).current_dir(root());
+    let listed =
+        output(&mut list).ok_or_else(|| Failure::new(format!("{selector}: selects no tasks of {SUITE}")))?;
+    let names: Vec<&str> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    Ok(names.join(","))
 }
 
 /// The program that a file is, or that a commit becomes.

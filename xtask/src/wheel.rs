@@ -1,21 +1,23 @@
-//! The Python package: its wheel and its source distribution (`docs/python.md`).
+//! The Python package: its wheel (`docs/python.md`).
 //!
-//! `harness/python/build_backend` makes both. Here it gets the programs that it needs, in pinned versions, and what is built
-//! already.
+//! maturin builds the module and writes the wheel. It builds no other programs, so the package is put together before, in
+//! `target/wheel`: sources, program, tasks, planners and licences.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use crate::examples::{Compiler, python};
 use crate::options::Options;
-use crate::plugins;
+use crate::package::{copy_stripped, failure, planners, read, sources};
 use crate::portable::{self, GLIBC};
-use crate::run::{Failure, run, step};
+use crate::release::host;
+use crate::run::{Failure, remove, run, step};
+use crate::{licences, plugins};
 
 /// The environment variable that lets the check install what policies are trained with.
 const TORCH_VAR: &str = "VB_TORCH";
 
-/// What makes wheels.
+/// Builder of wheels.
 const MATURIN: &str = "maturin==1.16.0";
 /// What a portable wheel is for if nothing is said.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
@@ -31,17 +33,13 @@ fn options(args: &[&str]) -> Result<(Options, Option<PathBuf>), Failure> {
     Ok((Options::parse("wheel", &rest, "wheels", Some(TARGET))?, kernels))
 }
 
-/// Makes both, and checks them if that is asked for.
+/// Makes the wheel, and checks it if that is requested.
 pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
     let (Options { target, check, out }, kernels) = options(args)?;
     let maturin = Compiler::of_pip(MATURIN)?;
     maturin.install()?;
     let mut tools = if target.is_some() { portable::tools()? } else { Vec::new() };
     tools.push(maturin);
-    let absolute =
-        |path: &Path| std::path::absolute(path).map_err(|e| Failure::new(format!("{}: {e}", path.display())));
-    let out = absolute(&out)?;
-    let kernels = kernels.as_deref().map(absolute).transpose()?;
     // As `cargo xtask test` builds them, so that nothing is built twice.
     plugins::build_as_wasm(&crate::default_plugin_dir())?;
     let program = match &target {
@@ -52,46 +50,108 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
         // Without the tasks within it, which lie beside it.
         Some(target) => portable::program(target, &tools, &["--no-default-features"])?,
     };
-    let make = |what: &str| {
-        step(&format!("making the {what} of the Python package"));
-        let mut command = Command::new(python());
-        command.args(["-B", "-m", "vertibench_build", what]).arg(&out).current_dir(crate::root());
-        let modules = [crate::root().join("harness/python/build_backend")];
-        match &target {
-            None => {
-                portable::find(&mut command, &tools, &modules);
-                portable::flags_of_here(&mut command);
-            }
-            Some(target) => portable::environment(&mut command, target, &tools, &modules),
+    let folder = crate::target_dir().join("wheel");
+    stage(&folder, &program, kernels.as_deref(), &target.clone().map_or_else(host, Ok)?)?;
+    step("making the wheel of the Python package");
+    let made = folder.join("made");
+    let mut command = Command::new("maturin");
+    command.args(["build", "--compression-level", "9", "--interpreter"]).arg(python());
+    command.arg("--out").arg(&made).current_dir(&folder);
+    match &target {
+        None => {
+            portable::find(&mut command, &tools);
+            portable::flags_of_here(&mut command);
+            // maturin would name the oldest Linux on which the module runs, but the program needs a newer one.
+            command.args(["--compatibility", "linux"]);
         }
-        command.env("VB_WHEEL_HARNESS", &program).env("VB_WHEEL_PLUGINS", crate::default_plugin_dir());
-        if let Some(folder) = &kernels {
-            command.env("VB_WHEEL_KERNELS", folder);
+        Some(target) => {
+            portable::environment(&mut command, target, &tools);
+            let linux = format!("manylinux_{}", GLIBC.replace('.', "_"));
+            command.args(["--zig", "--target", target, "--compatibility", &linux]);
         }
-        if let Some(target) = &target {
-            let arguments =
-                format!("--zig --target {target} --compatibility manylinux_{}", GLIBC.replace('.', "_"));
-            command.env("MATURIN_PEP517_ARGS", arguments);
-        }
-        last_line(&mut command)
-            .ok_or_else(|| Failure::new(format!("can't make the {what} (the reason is told above)")))
-    };
-    let made = [make("wheel")?, make("sdist")?];
-    for file in &made {
-        let size = std::fs::metadata(file).map_or(0, |m| m.len());
-        step(&format!("{file}: {:.1} MB", size as f64 / 1e6));
     }
-    if check { self::check(&made) } else { Ok(()) }
+    run(&mut command)?;
+    let mut wheels = std::fs::read_dir(&made).map_err(failure(&made))?.flatten();
+    let wheel = wheels.next().ok_or_else(|| Failure::new("maturin has made no wheel"))?;
+    std::fs::create_dir_all(&out).map_err(failure(&out))?;
+    let file = out.join(wheel.file_name());
+    std::fs::copy(wheel.path(), &file).map_err(failure(&file))?;
+    let size = std::fs::metadata(&file).map_or(0, |m| m.len());
+    step(&format!("{}: {:.1} MB", file.display(), size as f64 / 1e6));
+    if check { self::check(&file) } else { Ok(()) }
 }
 
-/// Runs a command and returns the last line of what it prints, which it has to itself; none if it fails.
-fn last_line(command: &mut Command) -> Option<String> {
-    let output = command.stderr(Stdio::inherit()).output().ok().filter(|o| o.status.success())?;
-    String::from_utf8_lossy(&output.stdout).lines().last().map(str::to_owned)
+/// Puts the contents of the wheel for a system into a folder.
+fn stage(folder: &Path, program: &Path, kernels: Option<&Path>, target: &str) -> Result<(), Failure> {
+    remove(folder)?;
+    let root = crate::root();
+    let copy = |from: &Path, to: &Path| {
+        let parent = to.parent().unwrap_or(folder);
+        std::fs::create_dir_all(parent).map_err(failure(parent))?;
+        std::fs::copy(from, to).map_err(failure(from)).map(drop)
+    };
+    let python = root.join("harness/python");
+    for file in sources("harness/python/vertibench")? {
+        copy(&root.join(&file), &folder.join(file.strip_prefix("harness/python").unwrap_or(&file)))?;
+    }
+    let data = folder.join("vertibench/_data");
+    for file in sources("tasks")? {
+        copy(&root.join(&file), &data.join(&file))?;
+    }
+    for file in planners()? {
+        copy(&file, &data.join("plugins").join(file.file_name().unwrap_or_default()))?;
+    }
+    for file in kernels.map(of_gpu).transpose()?.unwrap_or_default() {
+        copy(&file, &data.join("kernels").join(file.file_name().unwrap_or_default()))?;
+    }
+    std::fs::create_dir_all(data.join("bin")).map_err(failure(&data))?;
+    copy_stripped(program, &data.join("bin").join(portable::program_name(target)))?;
+    for file in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        copy(&root.join(file), &folder.join(file))?;
+    }
+    copy(&python.join("README.md"), &folder.join("README.md"))?;
+    for (file, text) in [
+        ("LICENSE-THIRD-PARTY.txt", licences::text(target)?),
+        ("pyproject.toml", description(&String::from_utf8_lossy(&read(&python.join("pyproject.toml"))?))?),
+    ] {
+        let file = folder.join(file);
+        std::fs::write(&file, text).map_err(failure(&file))?;
+    }
+    Ok(())
 }
 
-/// Installs the wheel in a fresh environment and tries it, and sees that the sources are whole.
-fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
+/// Returns the package's `pyproject.toml` for another folder: the manifest's path is absolute.
+fn description(text: &str) -> Result<String, Failure> {
+    let line = "manifest-path = \"Cargo.toml\"\n";
+    if text.matches(line).count() != 1 {
+        return Err(Failure::new(format!(
+            "harness/python/pyproject.toml: there must be one line `{}`",
+            line.trim()
+        )));
+    }
+    let manifest = crate::root().join("harness/python/Cargo.toml");
+    Ok(text.replace(line, &format!("manifest-path = '{}'\n", manifest.display())))
+}
+
+/// Returns the GPU kernels in a folder.
+fn of_gpu(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = std::fs::read_dir(folder).map_err(failure(folder))?;
+    let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+    files.retain(|file| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("vb-kernel-") && name.ends_with(".cubin.xz")
+    });
+    if files.is_empty() {
+        return Err(Failure::new(format!(
+            "{}: no kernels (make them with `cargo xtask kernel`)",
+            folder.display()
+        )));
+    }
+    Ok(files)
+}
+
+/// Installs the wheel in a fresh environment and tests it.
+fn check(wheel: &Path) -> Result<(), Failure> {
     step("trying the Python package in a fresh environment");
     let script = crate::root().join("tests/wheel/smoke.py");
     let mut command = Command::new(python());
@@ -99,7 +159,7 @@ fn check([wheel, sdist]: &[String; 2]) -> Result<(), Failure> {
     // gigabytes.
     let with_torch = std::env::var_os(TORCH_VAR).is_some_and(|v| v == "1");
     let extras = if with_torch { "[test,train]" } else { "[test]" };
-    command.arg("-B").arg(script).arg(wheel).arg("--sdist").arg(sdist).args(["--extras", extras]);
+    command.arg("-B").arg(script).arg(wheel).args(["--extras", extras]);
     run(&mut command)
 }
 
@@ -129,6 +189,26 @@ mod tests {
             assert!(parse(&[option]).unwrap_err().to_string().contains("its value is missing"));
         }
         assert!(parse(&["--zig"]).unwrap_err().to_string().contains("--zig"));
+    }
+
+    #[test]
+    fn the_description_fits_another_folder() {
+        let own = include_str!("../../harness/python/pyproject.toml");
+        let text = description(own).unwrap();
+        assert!(
+            text.contains("/harness/python/Cargo.toml'\n") && text.lines().count() == own.lines().count()
+        );
+        assert!(description("").unwrap_err().to_string().contains("there must be one line"));
+    }
+
+    #[test]
+    fn kernels_are_found_by_their_names() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(of_gpu(dir.path()).unwrap_err().to_string().contains("cargo xtask kernel"));
+        for name in ["vb-kernel-sm_90.cubin.xz", "notes.xz"] {
+            std::fs::write(dir.path().join(name), "").unwrap();
+        }
+        assert_eq!(of_gpu(dir.path()).unwrap(), [dir.path().join("vb-kernel-sm_90.cubin.xz")]);
     }
 
     #[test]

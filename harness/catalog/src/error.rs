@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use vb_sense::SenseError;
-use vb_sim::SimError;
+use vb_files::DocumentError;
 use vb_suite::generate::{GenerateError, TRAINING_SEEDS};
-use vb_vehicle::VehicleError;
 use vb_world::SuiteError;
 
 /// The reason why something that was named can't be had. Each message is one line with what, where, and what to do.
@@ -43,15 +41,9 @@ pub enum CatalogError {
     /// A suite can't be used.
     #[error(transparent)]
     Suite(#[from] SuiteError),
-    /// A vehicle can't be used.
+    /// A vehicle, a soil set or a perception profile can't be used.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
-    /// A set of soils can't be used.
-    #[error(transparent)]
-    Soils(#[from] SimError),
-    /// A perception profile can't be used.
-    #[error(transparent)]
-    Perception(#[from] SenseError),
+    Document(#[from] DocumentError),
     /// The terrain model can't be used.
     #[error("elevation.model: {0}")]
     Terrain(String),

@@ -71,7 +71,9 @@ impl From<CatalogError> for CliError {
             CatalogError::KeptForTraining(_) => Self::usage(e),
             // The option's name is the command line's.
             CatalogError::NoTrainingSeed(_) => Self::usage(format!("--{e}")),
-            CatalogError::Write { .. } | CatalogError::NoDataFolder | CatalogError::Unpack { .. } => Self::output(e),
+            CatalogError::Write { .. } | CatalogError::NoDataFolder | CatalogError::Unpack { .. } => {
+                Self::output(e)
+            }
             CatalogError::Suite(e) => e.into(),
             CatalogError::Generate(e) => e.into(),
             CatalogError::NoTasks
@@ -79,9 +81,7 @@ impl From<CatalogError> for CliError {
             | CatalogError::Unknown { .. }
             | CatalogError::List { .. }
             | CatalogError::Read { .. }
-            | CatalogError::Vehicle(_)
-            | CatalogError::Soils(_)
-            | CatalogError::Perception(_)
+            | CatalogError::Document(_)
             | CatalogError::Terrain(_) => Self::input(e),
         }
     }
@@ -91,7 +91,9 @@ impl From<TrialError> for CliError {
     fn from(e: TrialError) -> Self {
         match e {
             TrialError::Scale(_) => Self::usage(e),
-            TrialError::Vehicle(_) | TrialError::Simulation(_) | TrialError::Perception { .. } => Self::input(e),
+            TrialError::Vehicle(_) | TrialError::Simulation(_) | TrialError::Perception { .. } => {
+                Self::input(e)
+            }
         }
     }
 }
@@ -234,10 +236,7 @@ impl From<ValidateError> for CliError {
             | ValidateError::NotForVehicle { .. }
             | ValidateError::Step { .. } => Self::usage(e),
             ValidateError::Write { .. } => Self::output(e),
-            ValidateError::ReferencesUnreadable { .. }
-            | ValidateError::ReferencesInvalid { .. }
-            | ValidateError::Vehicle(_)
-            | ValidateError::Simulation(_) => Self::input(e),
+            ValidateError::Document(_) | ValidateError::Simulation(_) => Self::input(e),
         }
     }
 }

@@ -2,22 +2,14 @@
 
 use serde::Serialize;
 use vb_files::one_line;
-use vb_host::{Limits, LoadError};
-use vb_runner::RunError;
-use vb_runner::conformance::{Check, Kit, KitError, Report, Verdict, check as check_plugin};
+use vb_host::Limits;
+use vb_runner::conformance::{Check, Kit, Report, Verdict, check as check_plugin};
 use vb_score::Rules;
 use vb_world::TaskRef;
 
-use crate::args::{CheckArgs, MessageFormat};
+use crate::args::{CheckArgs, MessageFormat, RULES, SOIL_RESOLUTION, SOILS, VEHICLE};
 use crate::error::CliError;
 use crate::{output, places, planner, run, suite};
-
-/// The rules, vehicle and soils that runs have by default: a planner's promises don't depend on them.
-const RULES: &str = "paper";
-const VEHICLE: &str = "hmmwv";
-const SOILS: &str = "default";
-/// Side of the cells in which soil remembers ruts, m.
-const SOIL_RESOLUTION: f64 = 0.1;
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -35,17 +27,19 @@ struct Counts {
 }
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
-    let suite = suite::open(args.suite.as_deref())?;
+    let suite = suite::open(&args.suite)?;
     let tasks = spread(suite::select(&suite, args.tasks.as_deref())?);
+    // Those of runs by default: a planner's promises don't depend on them.
     let rules = Rules::resolve(RULES).map_err(CliError::input)?;
     let vehicle = places::catalog().vehicle(VEHICLE)?;
     let soils = places::catalog().soils(SOILS, SOIL_RESOLUTION)?;
     let limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
-    planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
-    let command = planner::command(&args.plugin);
-    let file = command.is_none().then_some(args.plugin.as_path());
+    let plugin = args.plugin.path();
+    planner::can_be_confined(plugin, args.planner.require_sandbox)?;
+    let command = planner::command(plugin);
+    let file = command.is_none().then_some(plugin);
     let kit = Kit {
-        load: &|| planner::load_quietly(&args.plugin, &limits, args.planner.require_sandbox),
+        load: &|| planner::load_quietly(plugin, &limits, args.planner.require_sandbox),
         file,
         params: &args.planner.params,
         limits: &limits,
@@ -60,7 +54,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
         MessageFormat::Json => output::json(&Message::Check(check)),
         MessageFormat::Human => output::text(&row(check)),
     };
-    let report = check_plugin(&kit, &mut tell, &cancel).map_err(kit_error)?;
+    let report = check_plugin(&kit, &mut tell, &cancel)?;
     finish(&report, args.format.get());
     if report.passed() {
         return Ok(());
@@ -106,16 +100,6 @@ fn finish(report: &Report, format: MessageFormat) {
             let Counts { pass, warn, fail, skip } = counts;
             output::text(&format!("{pass} passed, {warn} with a warning, {fail} failed, {skip} skipped\n"));
         }
-    }
-}
-
-fn kit_error(e: KitError) -> CliError {
-    match e {
-        KitError::Load(LoadError::Faulty { .. }) | KitError::Host(_) => CliError::host_errors(e),
-        KitError::Load(e) => planner::unusable(&e),
-        KitError::Param(_) | KitError::Run(RunError::NoTasks) => CliError::usage(e),
-        KitError::Cancelled => CliError::interrupted(e),
-        _ => CliError::input(e),
     }
 }
 

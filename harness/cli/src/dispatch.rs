@@ -2,6 +2,7 @@
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
+use crate::output;
 
 impl Cli {
     /// Does what the program was called for.
@@ -9,12 +10,8 @@ impl Cli {
     /// # Errors
     /// What went wrong with the work itself.
     pub(crate) fn run(&self) -> Result<(), CliError> {
-        match (&self.command, &self.run) {
-            (Some(command), _) => command.run(),
-            (None, Some(args)) => crate::run::run(args),
-            // Not reached: clap demands a plugin where there is no subcommand.
-            (None, None) => Err(CliError::usage("no command given (see vb-harness --help)")),
-        }
+        output::set_up(self.global);
+        self.command.run()
     }
 }
 
@@ -22,6 +19,7 @@ impl Command {
     fn run(&self) -> Result<(), CliError> {
         match self {
             Self::Run(args) => crate::run::run(args),
+            Self::List(args) => crate::list::list(args),
             Self::Merge(args) => crate::merge::merge(args),
             Self::Sweep(command) => command.run(),
             Self::Score(args) => crate::score::score(args),

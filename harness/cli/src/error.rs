@@ -1,60 +1,47 @@
-//! How the program ends.
+//! How the program ends: exit codes, and the error of a command.
 
 use std::fmt;
 
-use vb_catalog::CatalogError;
-use vb_record::StoreError;
-use vb_report::ReportError;
-use vb_suite::generate::GenerateError;
-use vb_world::SuiteError;
+/// Defines each exit code with its meaning, and the list of all.
+macro_rules! exit_codes {
+    ($(#[doc = $meaning:literal] $name:ident = $code:literal;)*) => {
+        $(#[doc = $meaning] pub(crate) const $name: u8 = $code;)*
 
-/// All went well.
-pub(crate) const DONE: u8 = 0;
-/// A fault of the harness itself.
-pub(crate) const INTERNAL: u8 = 1;
-/// The command line makes no sense, or names a task, world or parameter that doesn't exist.
-pub(crate) const USAGE: u8 = 2;
-/// A suite, plugin, rule file, vehicle file or recorded run can't be used.
-pub(crate) const BAD_INPUT: u8 = 3;
-/// Results can't be written: disk full, no permission, directory not empty, in use or of another run.
-pub(crate) const OUTPUT: u8 = 4;
-/// The run was completed, but the simulation of some tasks failed.
-pub(crate) const SIM_ERRORS: u8 = 5;
-/// The test of a vehicle was completed, but some checks failed.
-pub(crate) const CHECKS_FAILED: u8 = 6;
-/// The harness or the machine failed some tasks, of which nothing is known.
-pub(crate) const HOST_ERRORS: u8 = 7;
-/// The checks of a planner were made, but it failed some.
-pub(crate) const NOT_CONFORMING: u8 = 8;
-/// A submission, or a dataset, does not verify.
-pub(crate) const NOT_VERIFIED: u8 = 9;
-/// The run was ended early: the planner failed alike in all of the first tasks, before its first command, or the simulation failed
-/// in all of them.
-pub(crate) const FAILED_START: u8 = 10;
-/// Some tasks were not done by anybody.
-pub(crate) const INCOMPLETE: u8 = 11;
-/// Stopped by Ctrl-C.
-pub(crate) const INTERRUPTED: u8 = 130;
+        /// Every exit code with its meaning, for the help.
+        pub(crate) const EXIT_CODES: &[(u8, &str)] = &[$(($code, $meaning.trim_ascii())),*];
+    };
+}
 
-/// Every code and what it means, for the help. How a command goes on is no part of it, since not all do so in the same way.
-pub(crate) const MEANINGS: [(u8, &str); 13] = [
-    (DONE, "completed"),
-    (INTERNAL, "internal error of the harness"),
-    (USAGE, "invalid command line, or an unknown task, world or parameter"),
-    (BAD_INPUT, "unusable input: a suite, plugin, rule file, vehicle file, recorded run or dataset"),
-    (
-        OUTPUT,
-        "results can't be written (disk full, no permission, directory not empty, in use, or of another run)",
-    ),
-    (SIM_ERRORS, "completed, but the simulation of some tasks failed"),
-    (CHECKS_FAILED, "completed, but the vehicle failed some checks of vehicle test"),
-    (HOST_ERRORS, "some tasks failed because of the harness or the machine"),
-    (NOT_CONFORMING, "completed, but the planner failed some checks"),
-    (NOT_VERIFIED, "completed, but the submission or dataset failed verification"),
-    (FAILED_START, "early end: the first tasks all failed in the planner's start, or in the simulation"),
-    (INCOMPLETE, "completed, but some tasks are missing, or some runs aren't finished"),
-    (INTERRUPTED, "stopped by Ctrl-C"),
-];
+// The one list of exit codes: the comments are what the help says of them, and tests compare docs/results.md and the errors of the
+// Python package with it. How a command is continued is no part of a meaning, since not all commands can be.
+exit_codes! {
+    /// completed
+    DONE = 0;
+    /// internal error of the harness
+    INTERNAL = 1;
+    /// invalid command line, or an unknown task, world or parameter
+    USAGE = 2;
+    /// unusable input: a suite, plugin, rule file, vehicle file, recorded run or dataset
+    BAD_INPUT = 3;
+    /// results can't be written (disk full, no permission, directory not empty, in use, or of another run)
+    OUTPUT = 4;
+    /// completed, but the simulation of some tasks failed
+    SIM_ERRORS = 5;
+    /// completed, but the vehicle failed some checks of vehicle test
+    CHECKS_FAILED = 6;
+    /// some tasks failed because of the harness or the machine
+    HOST_ERRORS = 7;
+    /// completed, but the planner failed some checks
+    NOT_CONFORMING = 8;
+    /// completed, but the submission or dataset failed verification
+    NOT_VERIFIED = 9;
+    /// early end: the first tasks all failed in the planner's start, or in the simulation
+    FAILED_START = 10;
+    /// completed, but some tasks are missing, or some runs aren't finished
+    INCOMPLETE = 11;
+    /// stopped by Ctrl-C
+    INTERRUPTED = 130;
+}
 
 /// Why a command failed: one line for people, and the exit code.
 #[derive(Debug)]
@@ -144,43 +131,49 @@ impl fmt::Display for CliError {
     }
 }
 
-impl From<StoreError> for CliError {
-    fn from(e: StoreError) -> Self {
-        match &e {
-            StoreError::Encode { .. } => Self::internal(e),
-            _ if e.is_of_output() => Self::output(e),
-            // A run that can't be read is the same, whatever was to be done with it.
-            _ => Self::input(e),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    fn file(path: &str) -> String {
+        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path))
+            .unwrap()
+    }
+
+    #[test]
+    fn the_documentation_has_each_exit_code_with_the_beginning_of_its_meaning() {
+        let documented = file("docs/results.md");
+        let rows = documented.lines().skip_while(|l| !l.starts_with("| exit code")).skip(2);
+        let rows: Vec<(u8, String)> = rows
+            .map_while(|row| row.strip_prefix("| ")?.split_once(" | "))
+            .map(|(code, text)| (code.parse().unwrap(), text.replace(['`', '['], "")))
+            .collect();
+        assert_eq!(rows.len(), EXIT_CODES.len());
+        for ((code, meaning), (documented, text)) in EXIT_CODES.iter().zip(&rows) {
+            // The page goes into detail where the help has a comma, colon or parenthesis.
+            let start = meaning.split(&[',', ':', '(']).next().unwrap().trim();
+            assert!(code == documented && text.starts_with(start), "{code} {meaning}: {documented} {text}");
         }
     }
-}
 
-impl From<ReportError> for CliError {
-    fn from(e: ReportError) -> Self {
-        match e {
-            ReportError::Write { .. } => Self::output(e),
-            ReportError::Twice(_)
-            | ReportError::NoRuns
-            | ReportError::Label { .. }
-            | ReportError::LabelTaken { .. } => Self::usage(e),
-            _ => Self::input(e),
-        }
-    }
-}
-
-impl From<CatalogError> for CliError {
-    fn from(e: CatalogError) -> Self {
-        match &e {
-            CatalogError::KeptForTraining(_) => Self::usage(e),
-            // The option's name is the command line's.
-            CatalogError::NoTrainingSeed(_) => Self::usage(format!("--{e}")),
-            CatalogError::Write { .. }
-            | CatalogError::NoDataFolder
-            | CatalogError::Unpack { .. }
-            | CatalogError::Generate(GenerateError::Suite(
-                SuiteError::Write { .. } | SuiteError::NotEmpty { .. },
-            )) => Self::output(e),
-            _ => Self::input(e),
+    #[test]
+    fn the_errors_of_the_python_package_are_of_exit_codes() {
+        let text = file("harness/python/vertibench/_runs/errors.py");
+        let table =
+            text.split_once("_OF_CODE").unwrap().1.split_once("{").unwrap().1.split_once('}').unwrap().0;
+        let codes: BTreeSet<u8> =
+            table.lines().filter_map(|l| l.trim().split_once(':')?.0.parse().ok()).collect();
+        // 5 is a warning there, and these of commands that it doesn't run.
+        let without = [DONE, SIM_ERRORS, CHECKS_FAILED, NOT_CONFORMING, NOT_VERIFIED, INCOMPLETE];
+        let wanted =
+            EXIT_CODES.iter().map(|(code, _)| *code).filter(|code| !without.contains(code)).collect();
+        assert_eq!(codes, wanted);
+        let classes: Vec<&str> = text.lines().filter(|l| l.contains("\"\"\"Exit code ")).collect();
+        assert_eq!(classes.len(), codes.len());
+        for line in classes {
+            let (code, meaning) = line.split_once("Exit code ").unwrap().1.split_once(": ").unwrap();
+            assert!(codes.contains(&code.parse().unwrap()), "{code}: {meaning}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::io::IsTerminal as _;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use vb_film::{Camera, Course, Film, FilmError, Schedule, Style, VideoFormat, write_picture, write_video};
+use vb_film::{Camera, Course, Film, Schedule, Style, VideoFormat, write_picture, write_video};
 use vb_render::Size;
 use vb_replay::Replay;
 
@@ -21,15 +21,6 @@ impl From<CameraName> for Camera {
     }
 }
 
-/// What an error of a film is to the user: one of the command line, of the machine's, or of the files'.
-fn failed(e: FilmError) -> CliError {
-    match e {
-        FilmError::Encoder { .. } | FilmError::Write { .. } => CliError::output(e),
-        FilmError::Run { .. } | FilmError::Picture { .. } | FilmError::Caption(_) => CliError::input(e),
-        _ => CliError::usage(e),
-    }
-}
-
 /// The size of frames, and how many there are in a second of a video in a format.
 fn sizes(args: &FilmArgs, format: VideoFormat) -> (Size, f64) {
     let (fps, size) = format.usual();
@@ -39,23 +30,10 @@ fn sizes(args: &FilmArgs, format: VideoFormat) -> (Size, f64) {
 
 /// Fails before anything is read if what is asked for can't be had.
 pub(crate) fn check(args: &FilmArgs) -> Result<(), CliError> {
-    if args.video.is_none() && args.png.is_none() {
-        let given = [
-            ("--camera", args.camera.is_some()),
-            ("--size", args.size.is_some()),
-            ("--no-captions", args.no_captions),
-        ];
-        return match given.iter().find(|(_, given)| *given) {
-            Some((option, _)) => Err(CliError::usage(format!(
-                "{option} is of videos and pictures (add --video FILE or --png FILE)"
-            ))),
-            None => Ok(()),
-        };
-    }
     if let Some(path) = &args.video {
-        let format = VideoFormat::of(path).map_err(failed)?;
+        let format = VideoFormat::of(path)?;
         let (size, fps) = sizes(args, format);
-        format.check(size, fps).map_err(failed)?;
+        format.check(size, fps)?;
     }
     Ok(())
 }
@@ -76,15 +54,15 @@ impl Tenths {
 
 /// Writes the video, the picture or both.
 pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> Result<(), CliError> {
-    let style =
-        |size| Style { camera: args.camera.unwrap_or_default().into(), size, captions: !args.no_captions };
+    let style = |size| Style { camera: args.camera.into(), size, captions: !args.no_captions };
     if let Some(path) = &args.video {
-        let (size, fps) = sizes(args, VideoFormat::of(path).map_err(failed)?);
-        let film = Film::new(replay, style(size)).map_err(failed)?;
-        let course = Course { from: args.from, to: args.to, speed: args.speed.unwrap_or(1.0), fps };
-        let schedule = Schedule::new(course, film.end()).map_err(failed)?;
+        let (size, fps) = sizes(args, VideoFormat::of(path)?);
+        let film = Film::new(replay, style(size))?;
+        let course = Course { from: args.from, to: args.to, speed: args.speed, fps };
+        let schedule = Schedule::new(course, film.end())?;
         let frames = schedule.times.len();
-        let (human, terminal) = (format == MessageFormat::Human, std::io::stderr().is_terminal());
+        let (human, terminal) =
+            (format == MessageFormat::Human, std::io::stderr().is_terminal() && !output::is_quiet());
         let bar = if human && terminal { ProgressBar::new(frames as u64) } else { ProgressBar::hidden() };
         let mut tenths = Tenths::default();
         if let Ok(look) = ProgressStyle::with_template("{wide_bar} {pos}/{len} frames, {eta} left") {
@@ -98,12 +76,12 @@ pub(crate) fn write(replay: &Replay, args: &FilmArgs, format: MessageFormat) -> 
             }
         });
         bar.finish_and_clear();
-        written.map_err(failed)?;
+        written?;
     }
     if let Some(path) = &args.png {
         let size = args.size.map_or(VideoFormat::Mp4.usual().1, |[width, height]| Size { width, height });
-        let film = Film::new(replay, style(size)).map_err(failed)?;
-        write_picture(&film, args.at.unwrap_or(film.end()), path).map_err(failed)?;
+        let film = Film::new(replay, style(size))?;
+        write_picture(&film, args.at.unwrap_or(film.end()), path)?;
     }
     Ok(())
 }

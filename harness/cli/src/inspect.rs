@@ -57,10 +57,10 @@ fn listed(needs: &[Need]) -> String {
 }
 
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
-    let meta = match planner::command(&args.plugin) {
+    let meta = match planner::command(args.plugin.path()) {
         // A command has no metadata that could be read without running it.
         Some(words) => Plugin::command(&words, &Limits::default()).map(|p| p.metadata().clone()),
-        None => vb_host::inspect(&args.plugin),
+        None => vb_host::inspect(args.plugin.path()),
     };
     let meta = meta.map_err(|e| planner::unusable(&e))?;
     match args.format.get() {

@@ -14,7 +14,6 @@ use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
 use crate::output;
 use crate::replay::{Player, Senses, suite_of};
-use crate::submission::failed;
 
 /// The file that makes a folder a submission.
 const MANIFEST: &str = "submission.json";
@@ -36,8 +35,9 @@ enum Message<'a> {
 
 pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
     must_hold_submissions(&args.entries)?;
-    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown { site: &args.out })
-        .map_err(failed)?;
+    // A folder with anything but an earlier site is refused in any case.
+    output::must_not_replace(&args.out.join(leaderboard::DATA), args.force)?;
+    let site = leaderboard::build(&args.entries, &args.out, &args.title, &mut Shown { site: &args.out })?;
     let entries = site.boards.iter().map(|b| b.entries.len()).sum();
     match args.format.get() {
         MessageFormat::Json => {
@@ -45,13 +45,13 @@ pub(crate) fn build(args: &BuildArgs) -> Result<(), CliError> {
         }
         MessageFormat::Human => {
             let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
-            output::note(&format!(
+            output::say(&format!(
                 "{} on {}",
                 count(entries, "entry", "entries"),
                 count(site.boards.len(), "board", "boards")
             ));
             for file in &site.files {
-                output::note(&format!("wrote {}", file.display()));
+                output::say(&format!("wrote {}", file.display()));
             }
         }
     }
@@ -80,7 +80,7 @@ struct Shown<'a> {
 impl leaderboard::Source for Shown<'_> {
     fn suite(&mut self, entry: &Entry, runs: &Runs) -> Option<Suite> {
         let found = suite_of(&runs.runs[0].header, None);
-        found.map_err(|e| output::note(&format!("entry {}: no maps: {e}", entry.id))).ok()
+        found.map_err(|e| output::say(&format!("entry {}: no maps: {e}", entry.id))).ok()
     }
 
     fn replays(
@@ -90,7 +90,7 @@ impl leaderboard::Source for Shown<'_> {
         out: &Path,
     ) -> Result<BTreeSet<String>, SubmissionError> {
         Ok(replays(entry, runs, out, self.site).unwrap_or_else(|e| {
-            output::note(&format!("entry {}: no replays: {e}", entry.id));
+            output::say(&format!("entry {}: no replays: {e}", entry.id));
             BTreeSet::new()
         }))
     }

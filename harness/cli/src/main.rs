@@ -1,6 +1,7 @@
 //! `vb-harness`: the command line of the benchmark.
 
 mod args;
+mod causes;
 mod check;
 mod dataset;
 mod dispatch;
@@ -9,6 +10,7 @@ mod film;
 mod geojson;
 mod inspect;
 mod leaderboard;
+mod list;
 mod merge;
 mod output;
 mod places;
@@ -28,6 +30,8 @@ mod vehicle;
 
 use std::io::Write as _;
 use std::process::ExitCode;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 fn main() -> ExitCode {
     // Before anything else: a worker must be alone in its process.
@@ -74,45 +78,68 @@ fn failed(e: &error::CliError) -> ExitCode {
 /// What is wrong with the command line, without the paragraphs on usage: an error is one line.
 fn usage(e: &clap::Error) -> error::CliError {
     let given: Vec<String> = std::env::args().skip(1).collect();
-    usage_of(&e.render().to_string(), &given)
+    usage_of(e, &given)
 }
 
 /// The error that clap tells so of these arguments, with what people may have meant.
-fn usage_of(text: &str, given: &[String]) -> error::CliError {
-    let text = text.strip_prefix("error: ").unwrap_or(text);
+fn usage_of(e: &clap::Error, given: &[String]) -> error::CliError {
+    if e.kind() == ErrorKind::MissingSubcommand
+        || e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    {
+        return error::CliError::usage("no command is given, such as run pid.wasm (see --help)");
+    }
+    if is_of_planner(e) {
+        return error::CliError::usage(
+            "give one planner, as an argument, e.g. pid.wasm, or with --plugin, e.g. --plugin pid.wasm (see --help)",
+        );
+    }
+    let text = e.render().to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
     let what = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|end| text.find(end)).min();
     let what = text[..what.unwrap_or(text.len())].lines().map(str::trim).filter(|l| !l.is_empty());
-    // No option takes such a value: the tip would lead astray.
-    let what = what.filter(|line| !line.starts_with("tip: to pass '"));
+    let meant = meant(text, given);
+    // No option takes such a value, or there is a better suggestion: the tip would lead astray.
+    let misleading = if meant.is_some() { "tip: " } else { "tip: to pass '" };
+    let what = what.filter(|line| !line.starts_with(misleading));
     let what = what
         .collect::<Vec<_>>()
         .join(" ")
         .replace("invalid digit found in string", "want a whole number that is not below 0")
         .replace("number too large to fit in target type", "the number is too large")
         .replace("cannot parse integer from empty string", "want a whole number that is not below 0");
-    let hint =
-        meant(text, given).map_or_else(|| "see --help".to_owned(), |meant| format!("{meant}; see --help"));
+    let hint = meant.map_or_else(|| "see --help".to_owned(), |meant| format!("{meant}; see --help"));
     error::CliError::usage(format!("{what} ({hint})"))
+}
+
+/// Whether the planner is what is wrong: none, or both as argument and as option.
+fn is_of_planner(e: &clap::Error) -> bool {
+    let all: Vec<String> = match e.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(arg)) => vec![arg.clone()],
+        Some(ContextValue::Strings(args)) => args.clone(),
+        _ => return false,
+    };
+    matches!(e.kind(), ErrorKind::MissingRequiredArgument | ErrorKind::ArgumentConflict)
+        && !all.is_empty()
+        && all.iter().all(|arg| arg.contains("PLANNER"))
 }
 
 /// A suggestion for an unknown argument.
 fn meant(text: &str, given: &[String]) -> Option<String> {
-    let argument = text
-        .strip_prefix("unexpected argument '")
-        .or_else(|| text.strip_prefix("unrecognized subcommand '"))?
-        .split_once('\'')?
-        .0;
-    let planner = |name: &str| {
-        let ends = [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
-        ends.then(|| format!("a planner is given by --plugin {name}"))
-    };
-    if let Some(meant) = planner(argument) {
-        return Some(meant);
+    let unknown = |kind: &str| text.strip_prefix(kind).and_then(|rest| Some(rest.split_once('\'')?.0));
+    let is_planner = |name: &&str| [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
+    if let Some(planner) = unknown("unrecognized subcommand '").filter(is_planner) {
+        return Some(format!("a planner is run by: vb-harness run {planner}"));
+    }
+    if let Some(planner) = unknown("unexpected argument '").filter(is_planner) {
+        return Some(format!("a planner is given by --plugin {planner}"));
     }
     let words: Vec<&str> = given.iter().map(String::as_str).filter(|word| !word.starts_with('-')).collect();
     match (words.first(), words.get(1)) {
         (Some(&"tasks"), second) if second != Some(&"list") => {
             Some(format!("tasks are listed by: vb-harness tasks list {}", given[1..].join(" ")))
+        }
+        (Some(group @ (&"suite" | &"vehicle")), Some(&"list")) => {
+            Some(format!("{group}s are listed by: vb-harness list {group}s"))
         }
         _ => None,
     }
@@ -127,19 +154,27 @@ mod tests {
         let given: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         let all = std::iter::once("vb-harness".to_owned()).chain(given.clone());
         let e = args::Cli::documented().try_get_matches_from(all).unwrap_err();
-        usage_of(&e.render().to_string(), &given).to_string()
+        usage_of(&e, &given).to_string()
     }
 
     #[test]
     fn mistakes_are_told_with_what_may_be_meant() {
+        let planner = "give one planner, as an argument, e.g. pid.wasm, or with --plugin, e.g. --plugin pid.wasm (see --help)";
         for (line, wanted) in [
-            ("run pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
-            ("pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
+            ("", "no command is given, such as run pid.wasm (see --help)"),
+            ("run", planner),
+            ("check --suite smoke", planner),
+            ("run a.wasm --plugin b.wasm", planner),
+            ("inspect --plugin b.wasm a.wasm", planner),
+            ("pid.wasm", "(a planner is run by: vb-harness run pid.wasm; see --help)"),
+            ("verify s pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
+            ("submit a.wasm", "the following required arguments were not provided: --out <DIR> (see --help)"),
             ("tasks --suite smoke", "(tasks are listed by: vb-harness tasks list --suite smoke; see --help)"),
             (
-                "--plugin a.wasm --seed 1.5",
-                "'--seed <N>': want a whole number that is not below 0 (see --help)",
+                "suite list",
+                "unrecognized subcommand 'list' (suites are listed by: vb-harness list suites; see --help)",
             ),
+            ("run a.wasm --seed 1.5", "'--seed <N>': want a whole number that is not below 0 (see --help)"),
             ("sweep run sp.yaml --tasks w001", "unexpected argument '--tasks' found (see --help)"),
         ] {
             let said = said(line);

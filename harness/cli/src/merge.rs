@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_record::RunReader;
-use vb_runner::{MergeError, shards_in};
+use vb_runner::shards_in;
 use vb_score::Summary;
 
 use crate::args::{MergeRunArgs, MessageFormat};
@@ -30,13 +30,13 @@ enum Message<'a> {
 pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
     let mut shards: Vec<PathBuf> = Vec::new();
     for dir in &args.shards {
-        shards.extend(shards_in(dir).map_err(merge_error)?);
+        shards.extend(shards_in(dir)?);
     }
     shards.sort();
     shards.dedup();
     let first = RunReader::open(&shards[0]).map_err(CliError::input)?;
     let suite = replay::suite_of(first.header(), args.suite.as_deref())?;
-    let merged = vb_runner::merge(&shards, &suite, &args.out).map_err(merge_error)?;
+    let merged = vb_runner::merge(&shards, &suite, &args.out)?;
     let summary = &merged.summary;
     match args.format.get() {
         MessageFormat::Json => output::json(&Message::Merged {
@@ -51,15 +51,15 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
             output::text(&vb_files::printable(&summary.table(output::width())));
             if !merged.twice.is_empty() {
                 let (n, which) = (merged.twice.len(), some(&merged.twice));
-                output::note(&format!("{n} tasks were driven twice, with the same results: {which}"));
+                output::say(&format!("{n} tasks were driven twice, with the same results: {which}"));
             }
             if !merged.untraced.is_empty() {
                 let (n, which) = (merged.untraced.len(), some(&merged.untraced));
-                output::note(&format!(
+                output::say(&format!(
                     "{n} tasks have no trace, for their shards have lost it: {which} (they can't be scored again or replayed)"
                 ));
             }
-            output::note(&format!("results: {}", args.out.display()));
+            output::say(&format!("results: {}", args.out.display()));
         }
     }
     if !merged.missing.is_empty() {
@@ -86,12 +86,5 @@ fn some(tasks: &[String]) -> String {
     match tasks.len().saturating_sub(NAMED) {
         0 => named,
         more => format!("{named} and {more} more"),
-    }
-}
-
-pub(crate) fn merge_error(e: MergeError) -> CliError {
-    match e {
-        MergeError::Store(e) if e.is_of_output() => CliError::output(e),
-        _ => CliError::input(e),
     }
 }

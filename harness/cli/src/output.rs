@@ -6,15 +6,43 @@ use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use clap::ColorChoice;
 use serde::Serialize;
 use vb_record::RunReader;
 use vb_replay::{Replay, write_mcap};
 use vb_score::Outcome;
 
+use crate::args::{ForceArgs, GlobalArgs};
 use crate::error::CliError;
 
 /// Why stdout could not be written, the first time that it couldn't.
 static FAILURE: OnceLock<String> = OnceLock::new();
+
+/// How much is said; everything but details before the options are known.
+static SAID: OnceLock<GlobalArgs> = OnceLock::new();
+
+/// Says as much as the user wants, in the colours that they want.
+pub(crate) fn set_up(options: GlobalArgs) {
+    let _ = SAID.set(options);
+    // Where it is auto, the library looks at the terminal and at `NO_COLOR`.
+    let colours = match options.color {
+        ColorChoice::Auto => return,
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+    };
+    console::set_colors_enabled(colours);
+    console::set_colors_enabled_stderr(colours);
+}
+
+/// Whether neither progress nor hints are wanted.
+pub(crate) fn is_quiet() -> bool {
+    SAID.get().is_some_and(|options| options.quiet)
+}
+
+/// Whether details are wanted.
+pub(crate) fn is_verbose() -> bool {
+    SAID.get().is_some_and(|options| options.verbose)
+}
 
 /// Text to stdout.
 pub(crate) fn text(text: &str) {
@@ -46,7 +74,8 @@ pub(crate) fn width() -> Option<usize> {
     out.is_term().then(|| out.size_checked()).flatten().map(|(_, columns)| usize::from(columns).max(40))
 }
 
-/// An outcome in its colour, if stderr is a terminal that has colours and nobody asked for none (`NO_COLOR`).
+/// An outcome in its colour, if stderr is a terminal that has colours and nobody asked for none (`NO_COLOR`), or the user asks for
+/// colours.
 pub(crate) fn coloured(outcome: Outcome) -> console::StyledObject<&'static str> {
     let style = console::Style::new().for_stderr();
     let style = match outcome {
@@ -63,7 +92,7 @@ pub(crate) fn coloured(outcome: Outcome) -> console::StyledObject<&'static str> 
 pub(crate) fn json<T: Serialize>(value: &T) {
     match serde_json::to_string(value) {
         Ok(line) => text(&(line + "\n")),
-        Err(e) => note(&format!("cannot encode a message: {e}")),
+        Err(e) => say(&format!("cannot encode a message: {e}")),
     }
 }
 
@@ -180,6 +209,33 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     Ok(())
 }
 
+/// Refuses to replace a file of an earlier call, unless the user wants it.
+pub(crate) fn must_not_replace(file: &Path, force: ForceArgs) -> Result<(), CliError> {
+    if force.force || !file.exists() {
+        return Ok(());
+    }
+    Err(CliError::output(format!(
+        "{} is there already (choose another --out, or replace it with --force)",
+        file.display()
+    )))
+}
+
+/// Refuses a folder that is not empty, unless the user wants it all the same.
+pub(crate) fn must_be_empty(folder: &Path, force: ForceArgs) -> Result<(), CliError> {
+    if force.force || is_free(folder) {
+        return Ok(());
+    }
+    Err(CliError::output(format!(
+        "output directory {} is not empty (choose another, or replace files in it with --force)",
+        folder.display()
+    )))
+}
+
+/// Whether no folder with content is there. What else is wrong with the place is found when it is written to.
+pub(crate) fn is_free(folder: &Path) -> bool {
+    !folder.read_dir().is_ok_and(|mut entries| entries.next().is_some())
+}
+
 /// Whether it is a pipe or a device, to which more than one may write.
 fn is_stream(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
@@ -195,8 +251,23 @@ fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
     CliError::output(format!("cannot write {}: {e}", path.display()))
 }
 
-/// A line to stderr. Paths and texts of strangers in it can't command the terminal.
+/// A line of progress, or a hint, to stderr, unless the user wants none.
 pub(crate) fn note(line: &str) {
+    if !is_quiet() {
+        say(line);
+    }
+}
+
+/// A line of progress with the outcome of a task in its colour, between two texts.
+pub(crate) fn note_outcome(before: &str, outcome: Outcome, after: &str) {
+    if !is_quiet() {
+        let [before, after] = [before, after].map(vb_files::printable);
+        let _ = writeln!(std::io::stderr(), "{before}{}{after}", coloured(outcome));
+    }
+}
+
+/// A line to stderr: a warning, or where a result is. Paths and texts of strangers in it can't command the terminal.
+pub(crate) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", vb_files::printable(line));
 }
 
@@ -208,7 +279,7 @@ pub(crate) fn word(path: &Path) -> String {
 
 /// The one line that tells why a command failed.
 pub(crate) fn error(e: &CliError) {
-    note(&format!("error: {e}"));
+    say(&format!("error: {e}"));
 }
 
 /// Rows of cells as text with aligned columns: to the left, two spaces between.

@@ -18,13 +18,13 @@ const WORKER_VAR: &str = "VB_WORKER";
 /// Loads a plugin file or starts a command, and says on stderr what isn't confined as it should be.
 pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Result<Plugin, LoadError> {
     if command(wanted).is_some() {
-        output::note("note: a command is not sandboxed, and its results are not eligible for ranking");
+        output::say("note: a command is not sandboxed, and its results are not eligible for ranking");
     }
     let plugin = load_quietly(wanted, limits, require_sandbox)?;
     let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
     if !missing.is_empty() {
         let missing = missing.join(", ");
-        output::note(&format!(
+        output::say(&format!(
             "warning: this system can't confine native planners by {missing}; run only planners that you trust, or \
              refuse them by --require-sandbox"
         ));

@@ -32,6 +32,8 @@ enum Message<'a> {
 
 enum Kind {
     Json,
+    /// Nothing but what must be said.
+    Quiet,
     Lines,
     Bar(ProgressBar),
 }
@@ -39,8 +41,6 @@ enum Kind {
 /// The course of a run, for people or programs that watch it.
 pub(crate) struct Progress {
     kind: Kind,
-    /// Whether backtraces are shown, and logs of tasks that no error ended.
-    debug: bool,
     /// Of many runs the one that goes on, and whether there are many.
     run: Option<String>,
     total: u64,
@@ -55,15 +55,15 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    pub(crate) fn new(format: MessageFormat, debug: bool) -> Self {
+    pub(crate) fn new(format: MessageFormat) -> Self {
         let kind = match format {
             MessageFormat::Json => Kind::Json,
+            MessageFormat::Human if output::is_quiet() => Kind::Quiet,
             MessageFormat::Human if std::io::stderr().is_terminal() => Kind::Bar(ProgressBar::no_length()),
             MessageFormat::Human => Kind::Lines,
         };
         Self {
             kind,
-            debug,
             run: None,
             total: 0,
             done: 0,
@@ -77,7 +77,7 @@ impl Progress {
 
     /// The course of many runs that have so many tasks in all.
     pub(crate) fn of_many(format: MessageFormat, total: u64) -> Self {
-        let progress = Self { run: Some(String::new()), total, ..Self::new(format, false) };
+        let progress = Self { run: Some(String::new()), total, ..Self::new(format) };
         progress.show_bar();
         progress
     }
@@ -93,12 +93,12 @@ impl Progress {
         self.show_bar();
     }
 
-    /// Something to be said in between.
-    pub(crate) fn note(&self, text: &str) {
+    /// Something to be said in between, whatever else is said.
+    pub(crate) fn say(&self, text: &str) {
         match &self.kind {
             Kind::Json => {}
-            Kind::Lines => output::note(text),
-            Kind::Bar(bar) => bar.suspend(|| output::note(text)),
+            Kind::Quiet | Kind::Lines => output::say(text),
+            Kind::Bar(bar) => bar.suspend(|| output::say(text)),
         }
     }
 
@@ -128,7 +128,7 @@ impl Progress {
             Kind::Lines if resumed > 0 => {
                 output::note(&format!("{resumed} of {total} tasks are done already"))
             }
-            Kind::Lines => {}
+            Kind::Quiet | Kind::Lines => {}
             Kind::Bar(_) => self.show_bar(),
         }
     }
@@ -162,19 +162,14 @@ impl Progress {
         let run = self.run.as_deref();
         match &self.kind {
             Kind::Json => output::json(&Message::Task { run, done: self.done, total: self.total, record }),
+            Kind::Quiet => {}
             Kind::Lines => {
                 let run = run.map_or_else(String::new, |run| format!("{run} "));
-                output::note(&format!(
-                    "[{:>width$}/{}] {run}{} {} {:.2} s: {}",
-                    self.done,
-                    self.total,
-                    record.task,
-                    output::coloured(record.outcome),
-                    record.time_s,
-                    record.explanation(),
-                    width = self.total.to_string().len()
-                ));
-                details(record, self.debug).iter().for_each(|line| output::note(line));
+                let width = self.total.to_string().len();
+                let task = format!("[{:>width$}/{}] {run}{} ", self.done, self.total, record.task);
+                let end = format!(" {:.2} s: {}", record.time_s, record.explanation());
+                output::note_outcome(&task, record.outcome, &end);
+                details(record, output::is_verbose()).iter().for_each(|line| output::note(line));
             }
             Kind::Bar(bar) => {
                 let counts: Vec<String> =
@@ -182,16 +177,12 @@ impl Progress {
                 let run = run.map_or_else(String::new, |run| format!("{run}  "));
                 bar.set_message(format!("{run}{}  {}", counts.join(", "), self.speed()));
                 bar.set_position(self.done);
-                let logged = self.debug && !record.log.is_empty();
+                let logged = output::is_verbose() && !record.log.is_empty();
                 if record.fault.is_some() || logged {
                     bar.suspend(|| {
-                        output::note(&format!(
-                            "{} {}: {}",
-                            record.task,
-                            output::coloured(record.outcome),
-                            record.reason
-                        ));
-                        details(record, self.debug).iter().for_each(|line| output::note(line));
+                        let (task, end) = (format!("{} ", record.task), format!(": {}", record.reason));
+                        output::note_outcome(&task, record.outcome, &end);
+                        details(record, output::is_verbose()).iter().for_each(|line| output::note(line));
                     });
                 }
             }
@@ -251,19 +242,19 @@ fn left(elapsed: Duration, done: u64, left: u64) -> String {
     }
 }
 
-/// What helps to find out why a task failed: the last lines that the planner logged, if an error ended it, and, to debug, of any
-/// task, with where it trapped.
-fn details(record: &TaskRecord, debug: bool) -> Vec<String> {
+/// What helps to find out why a task failed: the last lines that the planner logged, if an error ended it, and, where details are wanted,
+/// of any task, with where it trapped.
+fn details(record: &TaskRecord, verbose: bool) -> Vec<String> {
     /// More of them are in tasks.jsonl.
     const LOG_LINES: usize = 5;
     let mut lines = Vec::new();
     // Of the tasks of a run many fail, and few by an error: their logs would bury all else.
-    let log = if record.fault.is_some() || debug { &record.log[..] } else { &[] };
+    let log = if record.fault.is_some() || verbose { &record.log[..] } else { &[] };
     for line in &log[log.len().saturating_sub(LOG_LINES)..] {
         // A record on disk is data from outside too.
         lines.push(format!("    log | {}", vb_files::one_line(line)));
     }
-    if debug {
+    if verbose {
         let frames = record.backtrace.iter().enumerate();
         lines.extend(frames.map(|(n, name)| format!("    {n:>3} | {}", vb_files::one_line(name))));
     }

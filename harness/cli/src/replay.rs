@@ -63,7 +63,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         })
     })?;
     for r in replay.runs.iter().filter(|r| r.motion.repeat == Repeat::Samples) {
-        output::note(&format!(
+        output::say(&format!(
             "{}: shown from its samples, without ruts: the simulation can't be repeated by them with the data at hand (run with --trace \
              full, with this version and these vehicle and soil files, to repeat it)",
             r.label
@@ -100,7 +100,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         return Ok(());
     }
     for path in page_file.iter().chain(&args.mcap).chain(&args.film.video).chain(&args.film.png) {
-        output::note(&format!("wrote {}", path.display()));
+        output::say(&format!("wrote {}", path.display()));
     }
     Ok(())
 }
@@ -121,7 +121,7 @@ pub(crate) fn open(path: &Path) {
     let screen =
         ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some_and(|v| !v.is_empty()));
     if (cfg!(target_os = "linux") && !screen) || open::that_detached(path).is_err() {
-        output::note(&format!("no browser here: open {} in one", path.display()));
+        output::say(&format!("no browser here: open {} in one", path.display()));
     }
 }
 
@@ -175,7 +175,7 @@ impl Senses<'_> {
         }
         let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
-            output::note(&format!(
+            output::say(&format!(
                 "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (replay shows it by \
                  the run's file, which --perception names)"
             ));

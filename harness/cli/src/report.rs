@@ -43,10 +43,10 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), CliError> {
     if args.markdown.as_deref() == Some(Path::new("-")) {
         output::text(&report.markdown());
     } else if let Some(told) = report.headline() {
-        output::note(&told);
+        output::say(&told);
     }
     for file in files {
-        output::note(&format!("wrote {}", file.display()));
+        output::say(&format!("wrote {}", file.display()));
     }
     Ok(())
 }
@@ -85,6 +85,14 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     let tables = args.csv.iter().chain(&args.parquet).chain(&args.geojson).chain(markdown);
     let all = tables.clone().chain(&page).map(PathBuf::as_path);
     output::must_spare(&all.collect::<Vec<_>>(), &args.runs)?;
+    // The folder within a run is the program's own.
+    let own = args.out.is_none() && args.runs.len() == 1;
+    if let Some(page) = page.as_ref().filter(|_| !own) {
+        output::must_not_replace(page, args.force)?;
+    }
+    if let Some(dir) = &args.figures {
+        output::must_be_empty(dir, args.force)?;
+    }
     // A folder that isn't there yet is made only where there is a run.
     if args.out.is_none() && page_dir.is_some() {
         args.runs.iter().try_for_each(|run| vb_record::RunReader::open(run).map(drop))?;

@@ -8,9 +8,8 @@ use std::time::SystemTime;
 use serde::Serialize;
 use vb_host::Limits;
 use vb_record::{RunReader, ShardHeader, TraceMode};
-use vb_runner::{FailedStart, RunConfig, RunError};
+use vb_runner::{FailedStart, RunConfig};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
-use vb_trial::TrialError;
 
 use crate::args::{MessageFormat, RunArgs};
 use crate::error::{self, CliError};
@@ -25,8 +24,8 @@ enum Message<'a> {
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     let again = |out: &Path| match args.shard {
-        // A shard goes on by itself.
-        Some(_) => "the same command".to_owned(),
+        // Its folder is within that of --out.
+        Some(_) => "the same command and --resume".to_owned(),
         None => format!("the same command and --out {} --resume", output::word(out)),
     };
     let (out, simulated) = drive(args, &again)?;
@@ -60,10 +59,10 @@ pub(crate) fn drive(
 ) -> Result<(PathBuf, Result<(), CliError>), CliError> {
     let config = config(args)?;
     let cancel = stop_on_ctrl_c()?;
-    let mut progress = Progress::new(args.format.get(), args.debug);
+    let mut progress = Progress::new(args.format.get());
     let result = vb_runner::run(&config, &mut |event| progress.hear(event), &cancel);
     progress.finish();
-    let report = result.map_err(run_error)?;
+    let report = result?;
     match args.format.get() {
         MessageFormat::Json => output::json(&Message::Finished {
             out: &config.out,
@@ -76,20 +75,20 @@ pub(crate) fn drive(
             if let Some(clamped) = progress.clamped() {
                 output::text(&format!("{clamped}\n"));
             }
-            output::note(&format!("results: {}", config.out.display()));
+            output::say(&format!("results: {}", config.out.display()));
         }
     }
     let again = again(&config.out);
     if let Some(start) = &report.failed_start {
         return Err(CliError::failed_start(format!(
-            "{start} ({} tasks left; mend the cause and start anew, or go on with {again}; --keep-going drives all tasks \
+            "{start} ({} tasks left; mend the cause and start again, or continue with {again}; --keep-going drives all tasks \
              whatever happens)",
             report.summary.missing(),
         )));
     }
     if report.interrupted {
         return Err(CliError::interrupted(format!(
-            "stopped, {} tasks left (go on with {again})",
+            "stopped, {} tasks left (continue with {again})",
             report.summary.missing(),
         )));
     }
@@ -114,13 +113,13 @@ pub(crate) fn drive(
 
 pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     // Cheap checks come first: nobody should wait for a plugin to be compiled to learn of a typing error.
-    let suite = suite::open(args.suite.as_deref())?;
+    let suite = suite::open(&args.suite)?;
     let tasks = suite::select(&suite, args.tasks.as_deref())?;
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let vehicle = places::catalog().vehicle(&args.vehicle)?;
     let scale = args.scale.unwrap_or(vehicle.spec.scale);
     if let Some(warning) = scale_warning(&vehicle.spec, scale) {
-        output::note(&warning);
+        output::say(&warning);
     }
     let soils = places::catalog().soils(&args.soils, args.soil_resolution)?;
     let perception = places::catalog().perception(&args.perception)?;
@@ -134,34 +133,33 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         })?;
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
-    planner::can_be_confined(&args.plugin, args.planner.require_sandbox)?;
-    let plugin = planner::load(&args.plugin, &limits, args.planner.require_sandbox)
-        .map_err(|e| planner::unusable(&e))?;
+    let wanted = args.plugin.path();
+    planner::can_be_confined(wanted, args.planner.require_sandbox)?;
+    let plugin =
+        planner::load(wanted, &limits, args.planner.require_sandbox).map_err(|e| planner::unusable(&e))?;
     let name = &plugin.metadata().name;
     let mut out = match &args.out {
         Some(out) => out.clone(),
-        None if args.resume => places::last_run_dir(name).ok_or_else(|| {
-            CliError::usage(format!(
-                "--resume: there is no run runs/{name}-N here (name its directory by --out)"
-            ))
-        })?,
-        None => places::new_run_dir(name),
+        None => {
+            let last = args.resume.resume.then(|| places::last_run_dir(name)).flatten();
+            last.unwrap_or_else(|| places::new_run_dir(name))
+        }
     };
-    let (mut tasks, mut resume, mut shard) = (tasks, args.resume, None);
+    let (mut tasks, mut shard) = (tasks, None);
     if let Some(part) = args.shard {
         shard = Some(ShardHeader { index: part.index(), of: part.of(), tasks: tasks.len() as u64 });
         tasks = part.tasks(&tasks);
         out.push(part.folder());
-        // A scheduler that begins a job again gives the same command.
-        resume |= out.join("run.json").exists();
     }
+    // A scheduler gives the same command when it begins a job and when it begins the job again.
+    let resume = args.resume.resume && out.join("run.json").exists();
     Ok(RunConfig {
         suite,
         tasks,
         selector: args.tasks.clone(),
         shard,
         plugin,
-        plugin_path: args.plugin.clone(),
+        plugin_path: wanted.to_owned(),
         params: args.planner.params.clone(),
         vehicle,
         soils,
@@ -205,19 +203,7 @@ fn rounded(v: f64) -> String {
 
 /// The limits in a file: every field may be left out.
 pub(crate) fn limits(path: &Path) -> Result<Limits, CliError> {
-    let file = path.display();
-    let text = vb_files::read_text(path, vb_files::DOCUMENT)
-        .map_err(|e| CliError::input(format!("cannot read limits {file}: {e} (give a YAML file)")))?;
-    // A file with nothing but comments is one with every field left out.
-    let empty = text.lines().all(|l| l.trim().is_empty() || l.trim_start().starts_with('#'));
-    let limits: Limits = if empty {
-        Limits::default()
-    } else {
-        vb_world::yaml::parse(&text)
-            .map_err(|e| CliError::input(format!("{file}: {e} (the limits are listed in docs/abi.md)")))?
-    };
-    limits.validate().map_err(|e| CliError::input(format!("{file}: {e}")))?;
-    Ok(limits)
+    Limits::load(path).map_err(CliError::input)
 }
 
 /// The first Ctrl-C sets what is returned: the run ends when it has put its results away. The second ends the process.
@@ -246,14 +232,6 @@ fn rfc3339(time: SystemTime) -> String {
     match time.duration_since(SystemTime::UNIX_EPOCH) {
         Ok(since) if since.as_secs() <= LAST => humantime::format_rfc3339_seconds(time).to_string(),
         _ => "unknown".to_owned(),
-    }
-}
-
-pub(crate) fn run_error(e: RunError) -> CliError {
-    match e {
-        RunError::Store(e) => e.into(),
-        RunError::Param(_) | RunError::NoTasks | RunError::Trial(TrialError::Scale(_)) => CliError::usage(e),
-        _ => CliError::input(e),
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
         MessageFormat::Human => {
             output::text(&vb_files::printable(&result.summary.table(output::width())));
             if !result.exact {
-                output::note(&format!(
+                output::say(&format!(
                     "scored from samples every {} s: figures are as good as that (run with --trace full for exact ones)",
                     result.resolution_s
                 ));

@@ -23,7 +23,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), CliError> {
     std::fs::create_dir_all(dir)
         .and_then(|()| clap_mangen::generate_to(Cli::documented(), dir))
         .map_err(|e| CliError::output(format!("cannot write man pages to {}: {e}", dir.display())))?;
-    output::note(&format!(
+    output::say(&format!(
         "wrote the pages to {} (man -l {})",
         dir.display(),
         dir.join("vb-harness.1").display()

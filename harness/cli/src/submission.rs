@@ -16,7 +16,7 @@ use vb_submission::{
 };
 use vb_world::Suite;
 
-use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SubmitArgs, VerifyArgs};
+use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SOIL_RESOLUTION, SOILS, SubmitArgs, VerifyArgs};
 use crate::error::{self, CliError};
 use crate::places;
 use crate::{output, planner, replay, run, suite};
@@ -40,25 +40,25 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
         note: args.note.clone(),
     };
     // What is wrong with the request is said before hours are spent.
-    entrant.check().map_err(failed)?;
-    if planner::command(&args.plugin).is_some() {
-        return Err(failed(SubmissionError::Command));
+    entrant.check()?;
+    if planner::command(args.plugin.path()).is_some() {
+        return Err(SubmissionError::Command.into());
     }
-    if args.out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
-        return Err(failed(SubmissionError::NotEmpty(args.out.clone())));
+    if !output::is_free(&args.out) {
+        return Err(SubmissionError::NotEmpty(args.out.clone()).into());
     }
     let suite = match &args.run {
         Some(dir) => {
             let reader = RunReader::open(dir).map_err(CliError::input)?;
             replay::suite_of(reader.header(), args.suite.as_deref())?
         }
-        None => suite::open(args.suite.as_deref())?,
+        None => suite::open(args.suite.as_deref().unwrap_or(Path::new(vb_catalog::DEFAULT_SUITE)))?,
     };
     let replays = match &args.replays {
         Some(selector) => {
             let tasks = suite::select(&suite, Some(selector))?;
             let names: Vec<_> = tasks.iter().map(ToString::to_string).collect();
-            vb_submission::check_replays(&names).map_err(failed)?;
+            vb_submission::check_replays(&names)?;
             Some(names)
         }
         None => None,
@@ -66,24 +66,16 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     let (dir, ended) = match &args.run {
         Some(dir) => (dir.clone(), Ok(())),
         None => {
-            let mut wanted = RunArgs::new(&args.plugin);
-            (wanted.suite, wanted.jobs) = (args.suite.clone(), args.jobs);
-            wanted.format = args.format;
-            wanted.keep_going = args.keep_going;
-            if let Some(vehicle) = &args.vehicle {
-                wanted.vehicle.clone_from(vehicle);
+            let mut wanted = RunArgs::new(args.plugin.path());
+            if let Some(suite) = &args.suite {
+                wanted.suite.clone_from(suite);
             }
-            if let Some(logs) = args.logs {
-                wanted.logs = logs;
-            }
-            // The run has options of its own, and is submitted when it is whole.
-            let again = |out: &Path| {
-                let (plugin, out) = (args.plugin.display(), out.display());
-                format!(
-                    "vb-harness --plugin {plugin}, the same suite and vehicle, and --out {out} --resume; then submit it with --run {out}"
-                )
-            };
-            run::drive(&wanted, &again)?
+            wanted.vehicle.clone_from(&args.vehicle);
+            (wanted.jobs, wanted.logs) = (args.jobs, args.logs);
+            (wanted.format, wanted.keep_going) = (args.format, args.keep_going);
+            // The run is submitted when it is whole.
+            wanted.resume.resume = args.resume;
+            run::drive(&wanted, &|_| "the same command and --resume".to_owned())?
         }
     };
     // Tasks whose simulation failed are results, too.
@@ -92,8 +84,8 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     {
         return ended;
     }
-    let plugin =
-        planner::load_quietly(&args.plugin, &Limits::default(), false).map_err(|e| planner::unusable(&e))?;
+    let plugin = planner::load_quietly(args.plugin.path(), &Limits::default(), false)
+        .map_err(|e| planner::unusable(&e))?;
     let shipped = shipped()?;
     let request = Request {
         suite: &suite,
@@ -103,7 +95,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
         entrant,
         replays,
     };
-    let manifest = vb_submission::make(&dir, &args.out, &request).map_err(failed)?;
+    let manifest = vb_submission::make(&dir, &args.out, &request)?;
     match args.format.get() {
         MessageFormat::Json => output::json(&Message::Submission {
             out: &args.out,
@@ -112,23 +104,19 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
             replays: &manifest.replays,
         }),
         MessageFormat::Human => {
-            output::note(&format!(
+            output::say(&format!(
                 "submission: {} ({} division)",
                 args.out.display(),
                 manifest.division.name()
             ));
             for reason in &manifest.open_because {
-                output::note(&format!(
-                    "  not ranked, {}: {}",
-                    reason.field,
-                    vb_files::one_line(&reason.text)
-                ));
+                output::say(&format!("  not ranked, {}: {}", reason.field, vb_files::one_line(&reason.text)));
             }
             output::note(&format!(
                 "check it with: vb-harness verify {} --plugin {} --sample 10{}",
                 args.out.display(),
-                args.plugin.display(),
-                if is_wasm(&args.plugin)? { "" } else { " --allow-native" }
+                args.plugin.path().display(),
+                if is_wasm(args.plugin.path())? { "" } else { " --allow-native" }
             ));
         }
     }
@@ -136,7 +124,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
 }
 
 pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
-    let submission = Submission::open(&args.submission).map_err(failed)?;
+    let submission = Submission::open(&args.submission)?;
     let m = submission.manifest();
     if args.ranked && m.division == Division::Open {
         let why = m
@@ -151,7 +139,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     // What the submission names is looked up among what comes with the harness, never in the working folder, where a stranger's
     // files may lie.
     let suite = match &args.suite {
-        Some(dir) => suite::open(Some(dir))?,
+        Some(dir) => suite::open(dir)?,
         None => {
             let own = places::catalog().own_suite(plain("suite", &m.run.suite.name)?)?;
             Suite::open(own).map_err(CliError::input)?
@@ -181,7 +169,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
             args.plugin.display()
         )));
     }
-    let plugin_sha256 = vb_submission::sha256_file(&args.plugin).map_err(failed)?;
+    let plugin_sha256 = vb_submission::sha256_file(&args.plugin)?;
     let out = args.out.clone().unwrap_or_else(|| args.submission.join("verification.json"));
     output::must_be_replaceable(&out)?;
     let draw = match (args.sample, args.seed) {
@@ -210,14 +198,13 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
             output::note(&format!("driven again: {done} of {total}"));
         }
     };
-    let verdict = vb_submission::verify(&submission, &expected, &load, &sampling, &mut ended, &cancel)
-        .map_err(failed)?;
+    let verdict = vb_submission::verify(&submission, &expected, &load, &sampling, &mut ended, &cancel)?;
     write_json(&out, &verdict)?;
     if json {
         output::json(&Message::Verification { verdict: &verdict, out: &out });
     } else {
         output::text(&told(&verdict, args.sample));
-        output::note(&format!("verdict: {}", out.display()));
+        output::say(&format!("verdict: {}", out.display()));
     }
     if verdict.verified {
         return Ok(());
@@ -270,16 +257,17 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     };
     let suite = Suite::open(places::catalog().suite(Some(&args.suite)).map_err(|e| hidden(&e))?)
         .map_err(|e| hidden(&e))?;
-    if !is_wasm(&args.plugin)? {
+    let plugin = args.plugin.path();
+    if !is_wasm(plugin)? {
         return Err(CliError::input(format!(
             "{} is no WASM file: only those can be kept from telling what they see",
-            args.plugin.display()
+            plugin.display()
         )));
     }
     args.out.as_deref().map(output::must_be_replaceable).transpose()?;
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
-    let mut wanted = RunArgs::new(&args.plugin);
-    wanted.suite = Some(suite.dir().to_owned());
+    let mut wanted = RunArgs::new(plugin);
+    wanted.suite = suite.dir().to_owned();
     (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
     wanted.perception.clone_from(&args.perception);
     (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
@@ -293,7 +281,7 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
         RunError::Store(e) if !e.is_disk_full() => {
             CliError::output("results can't be kept in the temporary folder")
         }
-        e => run::run_error(e),
+        e => e.into(),
     })?;
     if report.interrupted {
         return Err(CliError::interrupted("stopped: there are no scores"));
@@ -355,7 +343,7 @@ fn random() -> Result<u64, CliError> {
 /// What comes with the harness.
 fn shipped() -> Result<Shipped, CliError> {
     let mut shipped = Shipped {
-        soils: vb_catalog::soils_of(&places::catalog().own_data(Data::Soils, "default")?, 0.1)?.hash,
+        soils: vb_catalog::soils_of(&places::catalog().own_data(Data::Soils, SOILS)?, SOIL_RESOLUTION)?.hash,
         ..Shipped::default()
     };
     for dir in places::catalog().suites()? {
@@ -371,16 +359,4 @@ fn shipped() -> Result<Shipped, CliError> {
         );
     }
     Ok(shipped)
-}
-
-/// An error by the exit code that it means.
-pub(crate) fn failed(e: SubmissionError) -> CliError {
-    match e {
-        SubmissionError::Write { .. } | SubmissionError::NotEmpty(_) => CliError::output(e),
-        SubmissionError::Entrant { .. } | SubmissionError::Replay { .. } => CliError::usage(e),
-        SubmissionError::Machine { .. } => CliError::host_errors(e),
-        SubmissionError::Interrupted => CliError::interrupted(e),
-        SubmissionError::Run(e) => run::run_error(e),
-        _ => CliError::input(e),
-    }
 }

@@ -70,7 +70,7 @@ fn model(file: Option<&Path>) -> Result<Model, CliError> {
 
 /// Fits a shaping to the worlds of a suite and prints it as a section of the generator's rules.
 pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
-    let suite = suite::open(Some(&args.like))?;
+    let suite = suite::open(&args.like)?;
     let model = model(args.model.as_deref())?;
     let mut surfaces = Vec::new();
     for info in suite.worlds() {
@@ -81,7 +81,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
         };
         surfaces.push((suite.load_world(&info.id).map_err(CliError::input)?.heightfield, fraction));
     }
-    let rules = suite::rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let rules = suite::rules::<GeneratorParams>(args.params.as_deref())?;
     let start = rules.elevation.shape.ok_or_else(|| {
         CliError::input("the rules have no elevation.shape, whose curve is kept (give others with --params)")
     })?;

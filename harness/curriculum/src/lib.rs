@@ -14,13 +14,14 @@ mod replay;
 mod spec;
 
 use serde::{Deserialize, Serialize};
+use vb_files::DocumentError;
 use vb_math::rng::Stream;
 use vb_world::{Suite, TaskRef, WorldInfo};
 
 use learnability::Learnability;
 use manual::Manual;
 use replay::Replay;
-pub use spec::{CurriculumError, LearnabilitySpec, ManualSpec, Method, ReplaySpec, Spec, StageRule};
+pub use spec::{LearnabilitySpec, ManualSpec, Method, ReplaySpec, Spec, StageRule};
 
 /// The most tasks that are drawn, which counts never come near.
 const MOST_DRAWN: u64 = 1 << 53;
@@ -33,7 +34,6 @@ pub struct Curriculum {
     memory: Memory,
 }
 
-/// All that a curriculum remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Memory {
     /// The hash of the tasks that it is of, since what is remembered of a task is kept by its index.
@@ -43,7 +43,6 @@ struct Memory {
     method: Learned,
 }
 
-/// What the methods remember.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Learned {
@@ -53,12 +52,9 @@ enum Learned {
     Replay(Replay),
 }
 
-/// How an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ending {
-    /// The environment.
     pub environment: usize,
-    /// The index of the task.
     pub task: usize,
     /// Whether the vehicle came to the goal.
     pub is_success: bool,
@@ -75,17 +71,26 @@ impl Curriculum {
         tasks: &[TaskRef],
         environments: usize,
         seed: u64,
-    ) -> Result<Self, CurriculumError> {
-        let flaw = |problem: String| CurriculumError { file: spec.name.clone(), problem };
+    ) -> Result<Self, DocumentError> {
+        let flaw = |field: String, problem: String| DocumentError {
+            kind: "curriculum",
+            file: spec.name.clone(),
+            field,
+            problem,
+        };
         if tasks.is_empty() || environments == 0 {
-            return Err(flaw("there must be a task and an environment at least".into()));
+            let problem = "there must be a task and an environment at least".to_owned();
+            return Err(flaw("tasks".to_owned(), problem));
         }
         let method = match &spec.method {
             Method::Uniform => Learned::Uniform,
             Method::Manual(method) => {
-                let stages = method.stages.iter().enumerate().map(|(k, selector)| {
-                    let field = |e: String| flaw(format!("stages[{k}]: {e}"));
-                    let chosen = selector.select(suite).map_err(|e| field(e.to_string()))?;
+                let stages = method.stages.iter().enumerate().map(|(k, selectors)| {
+                    let field = |e: String| flaw(format!("stages[{k}]"), e);
+                    let mut chosen = Vec::new();
+                    for selector in selectors {
+                        chosen.extend(selector.select(suite).map_err(|e| field(e.to_string()))?);
+                    }
                     let own: Vec<usize> = (0..tasks.len()).filter(|t| chosen.contains(&tasks[*t])).collect();
                     if own.is_empty() {
                         return Err(field("none of the environment's tasks is in it".into()));
@@ -105,7 +110,6 @@ impl Curriculum {
         Ok(Self { tasks: tasks.len(), seed, memory: Memory { tasks: hash(suite, tasks), drawn, method } })
     }
 
-    /// The number of environments.
     #[must_use]
     pub fn environments(&self) -> usize {
         self.memory.drawn.len()
@@ -183,16 +187,18 @@ impl Curriculum {
     #[must_use]
     pub fn state(&self) -> String {
         // Numbers and lists of them can always be written.
-        serde_json::to_string(&self.memory).unwrap_or_default()
+        serde_json::to_string(&self.memory).expect("numbers and lists of them can be written")
     }
 
     /// Goes on from what another curriculum of the same kind over the same tasks remembered.
     ///
     /// # Errors
     /// Returns an error if the text isn't what such a curriculum remembers; nothing has changed then.
-    pub fn restore(&mut self, state: &str) -> Result<(), CurriculumError> {
-        let flaw = |problem: &str| CurriculumError {
-            file: "the state of the curriculum".into(),
+    pub fn restore(&mut self, state: &str) -> Result<(), DocumentError> {
+        let flaw = |problem: &str| DocumentError {
+            kind: "curriculum",
+            file: "curriculum".into(),
+            field: "state".into(),
             problem: problem.into(),
         };
         let memory: Memory =

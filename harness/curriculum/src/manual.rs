@@ -6,7 +6,6 @@ use vb_math::rng::Stream;
 use crate::Ending;
 use crate::spec::StageRule;
 
-/// Stages, and the environments on them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Manual {
     rule: StageRule,

@@ -16,7 +16,6 @@ pub(crate) struct Replay {
     episodes: u64,
 }
 
-/// What is known of a task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Driven {
     /// The learner's score, once there is one.

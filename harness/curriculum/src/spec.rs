@@ -1,34 +1,18 @@
 //! Curricula as data.
 
 use serde::{Deserialize, Serialize};
+use vb_files::document::{self, Document};
+use vb_files::{Flaw, Schema};
 use vb_world::Selector;
 
-/// The version of the files.
-const SCHEMA: u32 = 1;
-
-/// A curriculum can't be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}: {problem}")]
-pub struct CurriculumError {
-    /// The file, or the name of the curriculum.
-    pub file: String,
-    /// The field, the value and what is wrong.
-    pub problem: String,
-}
-
-/// What a curriculum is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
-    /// The name.
     pub name: String,
-    /// How tasks are chosen.
     pub method: Method,
 }
 
-/// How tasks are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
-    /// All tasks alike.
     Uniform,
     /// By stages, on which each environment goes up and down on its own.
     Manual(ManualSpec),
@@ -38,12 +22,10 @@ pub enum Method {
     Replay(ReplaySpec),
 }
 
-/// Stages by hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ManualSpec {
-    /// The tasks of each stage.
-    pub stages: Vec<Selector>,
-    /// When an environment leaves its stage.
+    /// The tasks of each stage: those that any of its selectors chooses.
+    pub stages: Vec<Vec<Selector>>,
     pub rule: StageRule,
 }
 
@@ -60,7 +42,6 @@ pub struct StageRule {
     pub review: f64,
 }
 
-/// Learnability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearnabilitySpec {
     /// The share of episodes that are drawn from all tasks alike.
@@ -88,17 +69,17 @@ pub struct ReplaySpec {
     pub staleness: f64,
 }
 
-/// A file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    schema: u32,
+pub struct File {
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     name: String,
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
     kind: Kind,
-    stages: Option<Vec<String>>,
+    stages: Option<Vec<Stage>>,
     window: Option<u32>,
     promote: Option<f64>,
     demote: Option<f64>,
@@ -113,6 +94,27 @@ struct File {
     staleness: Option<f64>,
 }
 
+/// A selector, or several of which any chooses a task.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "want a selector, or a list of selectors")]
+enum Stage {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Stage {
+    fn parse(&self) -> Result<Vec<Selector>, String> {
+        let texts = match self {
+            Self::One(text) => std::slice::from_ref(text),
+            Self::Several(texts) => texts,
+        };
+        if texts.is_empty() {
+            return Err("there must be a selector at least".into());
+        }
+        texts.iter().map(|text| Selector::parse(text).map_err(|e| e.to_string())).collect()
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Kind {
@@ -122,80 +124,59 @@ enum Kind {
     Replay,
 }
 
-impl Spec {
-    /// Those that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 4] = [
+impl Document for Spec {
+    type File = File;
+    const KIND: &'static str = "curriculum";
+    const FIELDS: &'static str = "docs/training.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
         ("uniform", include_str!("../../../tasks/curricula/uniform.yaml")),
         ("manual", include_str!("../../../tasks/curricula/manual.yaml")),
         ("learnability", include_str!("../../../tasks/curricula/learnability.yaml")),
         ("replay", include_str!("../../../tasks/curricula/replay.yaml")),
     ];
 
-    /// Finds a built-in one by its name, or else reads a file by its path.
-    ///
-    /// # Errors
-    /// Returns an error that names the file, the field and the value.
-    pub fn resolve(name_or_path: &str) -> Result<Self, CurriculumError> {
-        let text = vb_files::named_text(name_or_path, &Self::BUILTIN).map_err(|e| {
-            let names = Self::BUILTIN.map(|(name, _)| name).join(", ");
-            let problem = format!("cannot read the curriculum: {e} (give a YAML file, or one of {names})");
-            CurriculumError { file: name_or_path.to_owned(), problem }
-        })?;
-        Self::from_yaml(name_or_path, &text)
-    }
-
-    /// Reads one from YAML; `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Returns an error that names the field and the value.
-    pub fn from_yaml(file: &str, text: &str) -> Result<Self, CurriculumError> {
-        let flaw = |problem: String| CurriculumError { file: file.to_owned(), problem };
-        let mut read: File = vb_world::yaml::parse(text).map_err(|e| flaw(e.to_string()))?;
-        if read.schema != SCHEMA {
-            return Err(flaw(format!("schema: {} must be {SCHEMA}", read.schema)));
+    fn from_file(mut file: File) -> Result<Self, Flaw> {
+        let method = file.method()?;
+        if let Some(field) = file.rest() {
+            let kind = format!("{:?}", file.kind).to_lowercase();
+            return Err(Flaw::new(field, format!("a curriculum of kind {kind} has no such field")));
         }
-        let method = read.method().map_err(flaw)?;
-        if let Some(field) = read.rest() {
-            let kind = format!("{:?}", read.kind).to_lowercase();
-            return Err(flaw(format!("{field}: a curriculum of kind {kind} has no such field")));
-        }
-        Ok(Self { name: read.name, method })
+        Ok(Self { name: file.name, method })
     }
 }
 
+vb_files::document!(Spec);
+
 /// The value of a field, which must be there and lie within bounds.
-fn within(value: &mut Option<f64>, field: &str, low: f64, high: f64) -> Result<f64, String> {
-    let value = value.take().ok_or_else(|| format!("{field}: it is missing"))?;
-    if value >= low && value <= high {
-        return Ok(value);
-    }
-    Err(format!("{field}: {value} must lie in {low} to {high}"))
+fn within(value: &mut Option<f64>, field: &str, low: f64, high: f64) -> Result<f64, Flaw> {
+    let value = value.take().ok_or_else(|| Flaw::new(field, "it is missing"))?;
+    document::within(field, value, low, high)?;
+    Ok(value)
 }
 
 impl File {
     /// Takes the fields of the kind.
-    fn method(&mut self) -> Result<Method, String> {
+    fn method(&mut self) -> Result<Method, Flaw> {
         Ok(match self.kind {
             Kind::Uniform => Method::Uniform,
             Kind::Manual => {
-                let texts = self.stages.take().ok_or("stages: they are missing")?;
-                if texts.is_empty() {
-                    return Err("stages: there must be one at least".into());
+                let stages = self.stages.take().ok_or_else(|| Flaw::new("stages", "they are missing"))?;
+                if stages.is_empty() {
+                    return Err(Flaw::new("stages", "there must be one at least"));
                 }
-                let parse =
-                    |(k, t): (usize, &String)| Selector::parse(t).map_err(|e| format!("stages[{k}]: {e}"));
-                let window = self.window.take().ok_or("window: it is missing")?;
-                if !(1..=1000).contains(&window) {
-                    return Err(format!("window: {window} must lie in 1 to 1000"));
-                }
+                let parse = |(k, stage): (usize, &Stage)| {
+                    stage.parse().map_err(|e| Flaw::new(format!("stages[{k}]"), e))
+                };
+                let window = self.window.take().ok_or_else(|| Flaw::new("window", "it is missing"))?;
+                document::within("window", window, 1, 1000)?;
                 let promote = within(&mut self.promote, "promote", 0.0, 1.0)?;
                 let demote = within(&mut self.demote, "demote", -1.0, 1.0)?;
                 if demote >= promote {
-                    return Err(format!("demote: {demote} must be less than promote, {promote}"));
+                    return Err(Flaw::must_be("demote", demote, &format!("less than promote, {promote}")));
                 }
                 let review = within(&mut self.review, "review", 0.0, 1.0)?;
                 Method::Manual(ManualSpec {
-                    stages: texts.iter().enumerate().map(parse).collect::<Result<_, _>>()?,
+                    stages: stages.iter().enumerate().map(parse).collect::<Result<_, _>>()?,
                     rule: StageRule { window, promote, demote, review },
                 })
             }

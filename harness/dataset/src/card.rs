@@ -29,20 +29,24 @@ fn about(header: &Header) -> String {
             format!("Navigation tasks on rough ground, driven by {}.", names.join(", "))
         }
         Kind::Teleop => "Navigation tasks on rough ground, driven by a person.".to_owned(),
-        Kind::Failures => "The last seconds before a vehicle rolled over or got stuck.".to_owned(),
-        Kind::Merged => "Several datasets of driving on rough ground in one.".to_owned(),
-        Kind::Split => "A part of a dataset of driving on rough ground.".to_owned(),
+        Kind::Failures => "The last seconds before rollovers and stuck ends of a vehicle.".to_owned(),
+        Kind::Merged => "Several merged datasets of driving on rough ground.".to_owned(),
+        Kind::Split => "Part of a dataset of driving on rough ground.".to_owned(),
     }
 }
 
-/// How the dataset is made again.
+/// Returns the command that reproduces the dataset.
 fn again(header: &Header) -> String {
     let command = format!("```console\n$ vb-harness {} --out DIR\n```", header.command.join(" "));
     match header.kind {
         Kind::Teleop => {
-            format!("A person drove, so it can't be made again; more is recorded by\n\n{command}")
+            format!(
+                "A person drove, so the dataset can't be reproduced. This command records more:\n\n{command}"
+            )
         }
-        _ => format!("To make it again, byte for byte, with that version of the harness:\n\n{command}"),
+        _ => format!(
+            "This command reproduces the dataset, byte for byte, with the same version of the harness:\n\n{command}"
+        ),
     }
 }
 
@@ -76,14 +80,14 @@ pub(crate) fn card(
          | episodes | {} |\n| frames | {} at {hz} Hz: {hours:.2} h, {:.1} km |\n| outcomes | {} |\n\
          | vehicle | {} (`{}`) |\n| perception | {} (`{}`) |\n| rules | {} (`{}`) |\n| soils | {} (`{}`) |\n\
          | worlds | {} (`{}`), scale {scale}, in the folder `suite` |\n\
-         | seed | {seed} |\n| licence | {licence} |\n| made by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
+         | seed | {seed} |\n| licence | {licence} |\n| created by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
          The numbers in brackets are SHA-256. {}\n\n\
          {}\n\n\
          ## Columns\n\n\
          The layout is LeRobot's, version 3.0. Units are SI and angles radians; the world's axes are x east, y north, z up, the\n\
-         body's x forward, y left, z up. A frame has what was seen and what was commanded at its `timestamp`.\n\n\
+         body's x forward, y left, z up. A frame contains the observation and the command at its `timestamp`.\n\n\
          | column | type | shape | |\n|---|---|---|---|\n{rows}\n\
-         `meta/episodes` has a row for each episode, with its world, driver, outcome and reason besides.\n",
+         `meta/episodes` has one row per episode with its world, driver, outcome and reason.\n",
         licence.to_lowercase(),
         about(header),
         grouped(episodes),
@@ -101,9 +105,9 @@ pub(crate) fn card(
         header.worlds.name,
         header.worlds.hash,
         if header.of_a_suite {
-            "**The worlds belong to a suite that planners are judged on: this is for looking at, and nothing may be trained or tuned on it.**"
+            "**The worlds belong to a benchmark suite. The dataset is for inspection only and must not be used for training or tuning.**"
         } else {
-            "None of the worlds belongs to a suite that planners are judged on."
+            "No world belongs to a benchmark suite."
         },
         again(header),
     )

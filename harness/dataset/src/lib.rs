@@ -28,7 +28,7 @@ mod writer;
 pub use combine::{merge, repeated, split};
 pub use episode::{Episode, EpisodeInfo, View};
 pub use error::DatasetError;
-pub use explore::{Exploration, ExplorationError};
+pub use explore::Exploration;
 pub use failure::{SECONDS, failures};
 pub use feature::{CROP_SIDE, Dtype, Feature, Layout, Values};
 pub use header::{DATASET_SCHEMA, Header, Kind, LICENCE, PlannerHeader};

@@ -34,7 +34,7 @@ fn explored(dir: &Path, crops: usize, profile: &Profile) -> Dataset {
     let rules = Rules::resolve("exploration").unwrap();
     let setting = Setting::new(&vehicle, &soils, &rules, profile, 0.001, 1.0, 1).unwrap();
     let suite = suite(&dir.join("suite"));
-    let exploration = Exploration::from_yaml("straight.yaml", STRAIGHT).unwrap();
+    let exploration = Exploration::parse(STRAIGHT, "straight.yaml").unwrap();
     let layout = Layout { wheels: 4, speed: true, goal: false, truth: !profile.tells_the_truth(), crops };
     let header = Header {
         perception: named(profile.name()),

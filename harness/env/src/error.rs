@@ -3,8 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use vb_catalog::CatalogError;
-use vb_curriculum::CurriculumError;
-use vb_score::RulesError;
+use vb_files::DocumentError;
 use vb_sdk::PlannerError;
 use vb_sim::SimError;
 use vb_trial::{TrialError, panic_text};
@@ -23,9 +22,9 @@ pub enum EnvError {
     /// The tasks that were asked for aren't there.
     #[error(transparent)]
     Tasks(#[from] SelectorError),
-    /// The rules can't be used.
+    /// Rules, reward or curriculum can't be used.
     #[error(transparent)]
-    Rules(#[from] RulesError),
+    Document(#[from] DocumentError),
     /// Vehicle, perception or scale don't fit.
     #[error(transparent)]
     Trial(#[from] TrialError),
@@ -48,17 +47,6 @@ pub enum EnvError {
         /// Its value.
         value: String,
         /// What is wrong, and what to do.
-        problem: String,
-    },
-    /// A curriculum can't be used.
-    #[error(transparent)]
-    Curriculum(#[from] CurriculumError),
-    /// A reward file can't be used.
-    #[error("{file}: {problem}")]
-    Reward {
-        /// The name of the file.
-        file: String,
-        /// The field, the value and what is wrong.
         problem: String,
     },
     /// A world of training belongs to a suite that judges planners.

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use vb_files::document::within;
+use vb_files::{Document, Flaw, Schema};
 use vb_score::Outcome;
 
-use crate::EnvError;
-
-const SCHEMA: u32 = 1;
 /// The greatest weight.
 const HEAVIEST: f64 = 1e6;
 
@@ -97,8 +96,9 @@ pub struct Reward {
 /// A file of weights.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    schema: u32,
+pub struct File {
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     name: String,
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
@@ -113,57 +113,18 @@ impl Default for Reward {
 }
 
 impl Reward {
-    /// Those that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 2] = [
-        ("default", include_str!("../../../tasks/rewards/default.yaml")),
-        ("sparse", include_str!("../../../tasks/rewards/sparse.yaml")),
-    ];
-
-    /// Finds a built-in one by its name, or else reads a file by its path.
+    /// A reward of named weights; the others are 0.
     ///
     /// # Errors
-    /// Returns [`EnvError::Reward`], which says what is wrong.
-    pub fn resolve(name_or_path: &str) -> Result<Self, EnvError> {
-        let text = vb_files::named_text(name_or_path, &Self::BUILTIN).map_err(|e| {
-            let names = Self::BUILTIN.map(|(name, _)| name).join(", ");
-            let problem = format!("cannot read the reward: {e} (give a YAML file, or one of {names})");
-            EnvError::Reward { file: name_or_path.to_owned(), problem }
-        })?;
-        Self::from_yaml(name_or_path, &text)
-    }
-
-    /// Reads one from YAML; `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Returns [`EnvError::Reward`], which says what is wrong.
-    pub fn from_yaml(file: &str, text: &str) -> Result<Self, EnvError> {
-        let flaw = |problem: String| EnvError::Reward { file: file.to_owned(), problem };
-        let read: File = vb_world::yaml::parse(text).map_err(|e| flaw(e.to_string()))?;
-        if read.schema != SCHEMA {
-            return Err(flaw(format!("schema: {} must be {SCHEMA}", read.schema)));
-        }
-        Self::new(file, &read.name, read.weights)
-    }
-
-    /// A reward of named weights; the others are 0. `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Returns [`EnvError::Reward`] for a term that there isn't, or a weight that is no number of a sensible size.
-    pub fn new(
-        file: &str,
-        name: &str,
-        weights: impl IntoIterator<Item = (String, f64)>,
-    ) -> Result<Self, EnvError> {
-        let flaw = |problem: String| EnvError::Reward { file: file.to_owned(), problem };
+    /// Returns an error for an unknown term, or a weight that is not a number within ±1e6.
+    pub fn new(name: &str, weights: impl IntoIterator<Item = (String, f64)>) -> Result<Self, Flaw> {
         let mut own = Self { name: name.to_owned(), ..Self::default() };
         for (name, weight) in weights {
             let Some(k) = TERMS.iter().position(|t| t.name == name) else {
                 let known = TERMS.map(|t| t.name).join(", ");
-                return Err(flaw(format!("weights: there is no term {name} (there are {known})")));
+                return Err(Flaw::new("weights", format!("there is no term {name} (there are {known})")));
             };
-            if weight.is_nan() || weight.abs() > HEAVIEST {
-                return Err(flaw(format!("weights.{name}: {weight} must lie in -1000000 to 1000000")));
-            }
+            within(&format!("weights.{name}"), weight, -HEAVIEST, HEAVIEST)?;
             own.weights[k] = weight;
         }
         Ok(own)
@@ -188,6 +149,22 @@ impl Reward {
     }
 }
 
+impl Document for Reward {
+    type File = File;
+    const KIND: &'static str = "reward";
+    const FIELDS: &'static str = "docs/environments.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
+        ("default", include_str!("../../../tasks/rewards/default.yaml")),
+        ("sparse", include_str!("../../../tasks/rewards/sparse.yaml")),
+    ];
+
+    fn from_file(file: File) -> Result<Self, Flaw> {
+        Self::new(&file.name, file.weights)
+    }
+}
+
+vb_files::document!(Reward);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,13 +176,13 @@ mod tests {
     #[test]
     fn those_that_come_with_the_harness_are_valid() {
         for (name, _) in Reward::BUILTIN {
-            assert_eq!(Reward::resolve(name).unwrap().name, name);
+            assert_eq!(Reward::resolve(name).unwrap().name, *name);
         }
     }
 
     #[test]
     fn a_term_is_its_weight_times_what_was_measured() {
-        let reward = Reward::new("here", "mine", TERMS.map(|t| (t.name.to_owned(), 2.0))).unwrap();
+        let reward = Reward::new("mine", TERMS.map(|t| (t.name.to_owned(), 2.0))).unwrap();
         let m = Measured {
             progress: 0.5,
             approach: -0.25,
@@ -232,7 +209,7 @@ mod tests {
 
     #[test]
     fn flaws_are_told_with_file_field_and_value() {
-        let told = |text: &str| Reward::from_yaml("mine.yaml", text).unwrap_err().to_string();
+        let told = |text: &str| Reward::parse(text, "mine.yaml").unwrap_err().to_string();
         let of = |weights: &str| told(&format!("schema: 1\nname: mine\nweights: {weights}\n"));
         assert!(
             of("{succes: 1}").starts_with("mine.yaml: weights: there is no term succes (there are progress,")
@@ -240,10 +217,10 @@ mod tests {
         assert!(of("{success: .nan}").contains("weights.success: NaN must lie in"));
         assert!(of("{success: 1e9}").contains("weights.success: 1000000000 must lie in"));
         assert!(of("{success: much}").contains("much"));
-        assert!(told("schema: 2\nname: x\nweights: {}\n").contains("schema: 2 must be 1"));
+        assert!(told("schema: 2\nname: x\nweights: {}\n").contains("version 2 is not supported"));
         let missing = Reward::resolve("nowhere.yaml").unwrap_err().to_string();
         assert!(
-            missing.contains("nowhere.yaml: cannot read the reward") && missing.contains("default, sparse")
+            missing.starts_with("cannot read reward nowhere.yaml: ") && missing.contains("default, sparse")
         );
     }
 }

@@ -4,11 +4,13 @@
 //! can say that it makes no sense. So only regular files are read (links to such are fine), up to a limit that the caller states.
 
 pub mod bundle;
+pub mod document;
 mod hash;
 mod text;
+pub mod yaml;
 
+pub use document::{Document, DocumentError, Flaw, Schema};
 pub use hash::{Hash, sha256};
-use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::path::Path;
@@ -54,17 +56,6 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
 pub fn read_text(path: &Path, limit: u64) -> Result<String> {
     String::from_utf8(read(path, limit)?)
         .map_err(|_| Error::new(ErrorKind::InvalidData, "it is no UTF-8 text"))
-}
-
-/// The text of a document: one that comes with the program, by its name, or else that of a file, by its path.
-///
-/// # Errors
-/// As [`read_text`], if it is no name of `built_in` and the file can't be read.
-pub fn named_text<'a>(name_or_path: &str, built_in: &[(&str, &'a str)]) -> Result<Cow<'a, str>> {
-    match built_in.iter().find(|(name, _)| *name == name_or_path) {
-        Some((_, text)) => Ok(Cow::Borrowed(text)),
-        None => read_text(Path::new(name_or_path), DOCUMENT).map(Cow::Owned),
-    }
 }
 
 /// Writes a file whole: under a new name beside it, which is then renamed. So no reader sees half of it, and what else is linked

@@ -23,7 +23,7 @@ pub enum CourseError {
     #[error(transparent)]
     Suite(#[from] vb_world::SuiteError),
     #[error(transparent)]
-    Rules(#[from] vb_score::RulesError),
+    Document(#[from] vb_files::DocumentError),
     #[error(transparent)]
     Trial(#[from] vb_trial::TrialError),
     #[error(

@@ -1,75 +1,79 @@
 //! The limits on what a planner may use.
 
 use serde::{Deserialize, Serialize};
+use vb_files::document::{self, within};
+use vb_files::{Document, DocumentError, Flaw};
 
-/// The limits of one planner session. All but the fuel are generous bounds against accidents; fuel is the planner's
-/// computing time in units that are the same on every machine: about one per WebAssembly instruction.
-///
-/// What the defaults mean for a planner is told in `docs/abi.md`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Limits {
-    /// The fuel for start-up and `init` of one task; WASM only.
-    pub fuel_init: u64,
-    /// The fuel for one step; WASM only.
-    pub fuel_per_step: u64,
-    /// The fuel for start-up, `init` and all steps of one task together; WASM only.
-    pub fuel_per_task: u64,
-    /// The linear memory of all memories of the plugin together, bytes.
-    pub memory_bytes: usize,
-    /// The number of elements of all tables of the plugin together; WASM only.
-    pub table_elements: usize,
-    /// The stack of the WASM code, bytes. A thread that runs sessions needs [`Limits::THREAD_STACK_BYTES`] more.
-    pub stack_bytes: usize,
-    /// The amount of data that one call may hand over (command with debug series), bytes.
-    pub output_bytes: usize,
-    /// The length of the log text of one task, bytes. What goes beyond is dropped.
-    pub log_bytes: usize,
-    /// The size of the plugin file, bytes.
-    pub module_bytes: u64,
-    /// The memory of the compiler, bytes; WASM only.
-    pub compile_bytes: usize,
-    /// The processor time of the compiler, all its threads together, s; WASM only.
-    pub compile_seconds: u64,
-    /// The wall-clock time of one call, ms. It only ever ends what hangs: no score depends on it. A planner in a
-    /// process of its own always has it; WASM code has it only if `wasm_watchdog` is set.
-    pub watchdog_ms: u64,
-    /// Whether the watchdog also looks after WASM code, which makes that about a fifth slower. It need not: fuel ends
-    /// every call after the same instruction everywhere, and nothing that a planner can call blocks.
-    pub wasm_watchdog: bool,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            fuel_init: 20_000_000_000,
-            fuel_per_step: 2_000_000_000,
-            fuel_per_task: 1_000_000_000_000,
-            memory_bytes: 256 << 20,
-            table_elements: 1 << 20,
-            stack_bytes: 1 << 20,
-            output_bytes: 16 << 20,
-            log_bytes: 64 << 10,
-            module_bytes: 64 << 20,
-            compile_bytes: 2 << 30,
-            compile_seconds: 120,
-            watchdog_ms: 60_000,
-            wasm_watchdog: false,
+macro_rules! limits {
+    ($($(#[doc = $doc:literal])* $field:ident: $kind:ty = $default:expr, $low:expr => $high:expr;)*) => {
+        /// Limits of a planner session. Fuel is a planner's computing time in units that are equal on every machine: about one
+        /// per WebAssembly instruction. All other limits are generous bounds against accidents. `docs/abi.md` describes what the
+        /// defaults mean for a planner.
+        #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct Limits {
+            $($(#[doc = $doc])* pub $field: $kind,)*
         }
-    }
+
+        impl Default for Limits {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl Limits {
+            /// Checks that each limit lies in its range: below it no planner starts, above it the number means nothing.
+            ///
+            /// # Errors
+            /// Returns the first limit that does not.
+            pub fn validate(&self) -> Result<(), Flaw> {
+                $(within(stringify!($field), self.$field as u64, $low, $high)?;)*
+                Ok(())
+            }
+
+            /// All limits with their names, as results record them; `wasm_watchdog` is 0 or 1.
+            #[must_use]
+            pub fn named(&self) -> Vec<(&'static str, u64)> {
+                vec![$((stringify!($field), self.$field as u64),)*]
+            }
+        }
+    };
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {value} is not between {low} and {high}")]
-pub struct LimitsError {
-    pub field: &'static str,
-    pub value: u64,
-    pub low: u64,
-    pub high: u64,
+// Name, type and default; then the range.
+limits! {
+    /// Fuel for start-up and `init` of one task; WASM only.
+    fuel_init: u64 = 20_000_000_000, 1 => i64::MAX as u64;
+    /// Fuel for one step; WASM only.
+    fuel_per_step: u64 = 2_000_000_000, 1 => i64::MAX as u64;
+    /// Fuel for start-up, `init` and all steps of one task together; WASM only.
+    fuel_per_task: u64 = 1_000_000_000_000, 1 => i64::MAX as u64;
+    /// Linear memory of all memories of the plugin together, bytes.
+    memory_bytes: usize = 256 << 20, 64 << 10 => 1 << 40;
+    /// Elements of all tables of the plugin together; WASM only.
+    table_elements: usize = 1 << 20, 0 => u64::from(u32::MAX);
+    /// Stack of the WASM code, bytes. A thread that runs sessions needs [`Limits::THREAD_STACK_BYTES`] more.
+    stack_bytes: usize = 1 << 20, 64 << 10 => 64 << 20;
+    /// Data that one call may hand over (command with debug series), bytes.
+    output_bytes: usize = 16 << 20, 1 << 10 => 1 << 30;
+    /// Log text of one task, bytes. What exceeds it is dropped.
+    log_bytes: usize = 64 << 10, 0 => 1 << 30;
+    /// Size of the plugin file, bytes.
+    module_bytes: u64 = 64 << 20, 1 => 4 << 30;
+    /// Memory of the compiler, bytes; WASM only.
+    compile_bytes: usize = 2 << 30, 64 << 20 => 1 << 40;
+    /// Processor time of the compiler, all its threads together, s; WASM only.
+    compile_seconds: u64 = 120, 1 => 24 * 3600;
+    /// Wall-clock time of one call, ms. It only ends what hangs: no score depends on it. A planner in a process of its own
+    /// always has it; WASM code has it only if `wasm_watchdog` is set.
+    watchdog_ms: u64 = 60_000, 1 => 24 * 3600 * 1000;
+    /// Whether the watchdog also watches WASM code, which makes that about a fifth slower. It is not needed: fuel ends every call
+    /// after the same instruction everywhere, and nothing that a planner can call blocks.
+    wasm_watchdog: bool = false, 0 => 1;
 }
 
 impl Limits {
-    /// The stack that the host's own code needs on a thread that runs sessions, bytes, beside
+    /// The stack that the host's own code needs on a thread that runs sessions, bytes, in addition to
     /// [`stack_bytes`](Self::stack_bytes).
     pub const THREAD_STACK_BYTES: usize = 1 << 20;
 
@@ -78,54 +82,28 @@ impl Limits {
     pub fn thread_stack_bytes(&self) -> usize {
         self.stack_bytes + 2 * Self::THREAD_STACK_BYTES
     }
+}
 
-    /// Checks that every limit is one that can be kept.
-    ///
-    /// # Errors
-    /// Returns the first limit that can't be kept.
-    pub fn validate(&self) -> Result<(), LimitsError> {
-        for (field, value) in self.named() {
-            // Below the lower bounds no planner starts; above the upper ones the number means nothing.
-            let (low, high) = match field {
-                "fuel_init" | "fuel_per_step" | "fuel_per_task" => (1, i64::MAX as u64),
-                "memory_bytes" => (64 << 10, 1 << 40),
-                "table_elements" => (0, u64::from(u32::MAX)),
-                "stack_bytes" => (64 << 10, 64 << 20),
-                "output_bytes" => (1 << 10, 1 << 30),
-                "log_bytes" => (0, 1 << 30),
-                "module_bytes" => (1, 4 << 30),
-                "compile_bytes" => (64 << 20, 1 << 40),
-                "compile_seconds" => (1, 24 * 3600),
-                "watchdog_ms" => (1, 24 * 3600 * 1000),
-                _ => (0, 1),
-            };
-            if !(low..=high).contains(&value) {
-                return Err(LimitsError { field, value, low, high });
-            }
-        }
-        Ok(())
+impl Document for Limits {
+    type File = Self;
+    const KIND: &'static str = "limits";
+    const FIELDS: &'static str = "docs/abi.md";
+
+    fn from_file(limits: Self) -> Result<Self, Flaw> {
+        limits.validate()?;
+        Ok(limits)
     }
 
-    /// All limits by name, as results record them; `wasm_watchdog` is 0 or 1.
-    #[must_use]
-    pub fn named(&self) -> [(&'static str, u64); 13] {
-        [
-            ("fuel_init", self.fuel_init),
-            ("fuel_per_step", self.fuel_per_step),
-            ("fuel_per_task", self.fuel_per_task),
-            ("memory_bytes", self.memory_bytes as u64),
-            ("table_elements", self.table_elements as u64),
-            ("stack_bytes", self.stack_bytes as u64),
-            ("output_bytes", self.output_bytes as u64),
-            ("log_bytes", self.log_bytes as u64),
-            ("module_bytes", self.module_bytes),
-            ("compile_bytes", self.compile_bytes as u64),
-            ("compile_seconds", self.compile_seconds),
-            ("watchdog_ms", self.watchdog_ms),
-            ("wasm_watchdog", u64::from(self.wasm_watchdog)),
-        ]
+    fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
+        // A file of comments leaves every field out.
+        if text.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
+            return Ok(Self::default());
+        }
+        document::parse(text, file)
     }
 }
+
+vb_files::document!(Limits);
 
 #[cfg(test)]
 mod tests {
@@ -145,7 +123,7 @@ mod tests {
     fn a_limit_that_cannot_be_kept_is_named_with_its_bounds() {
         Limits::default().validate().unwrap();
         let error = Limits { stack_bytes: 1 << 40, ..Limits::default() }.validate().unwrap_err();
-        assert_eq!(error.to_string(), "stack_bytes: 1099511627776 is not between 65536 and 67108864");
+        assert_eq!(error.to_string(), "stack_bytes: 1099511627776 must lie in 65536 to 67108864");
         assert!(Limits { fuel_per_step: 0, ..Limits::default() }.validate().is_err());
         // The engine counts fuel in signed 64 bits.
         assert!(Limits { fuel_init: u64::MAX, ..Limits::default() }.validate().is_err());

@@ -81,7 +81,7 @@ impl Arena {
         }
         let reward = match reward {
             Wanted::Named(name) => Reward::resolve(&name),
-            Wanted::Weights(weights) => Reward::new("reward", "given", weights),
+            Wanted::Weights(weights) => Reward::new("given", weights).map_err(|e| e.of("reward", "reward")),
         };
         let options = Options {
             suite,
@@ -99,7 +99,7 @@ impl Arena {
             observation,
             sight: seen,
             action,
-            reward: reward.map_err(raise)?,
+            reward: reward.map_err(|e| raise(e.into()))?,
         };
         // Generating worlds takes a while: on a thread, so that Ctrl-C ends the waiting.
         let (sender, mut receiver) = mpsc::channel();

@@ -5,6 +5,7 @@ mod arrays;
 mod env;
 mod errors;
 mod gpu;
+mod measures;
 mod policy;
 mod vector;
 
@@ -21,6 +22,8 @@ mod _native {
     use crate::env::{Env, Snapshot};
     #[pymodule_export]
     use crate::gpu::{Array, Fleet};
+    #[pymodule_export]
+    use crate::measures::measures;
     #[pymodule_export]
     use crate::policy::policy_actions;
     #[pymodule_export]

@@ -94,13 +94,19 @@ def stand_in(tmp_path, monkeypatch):
 
 
 @pytest.fixture(scope="session")
-def envs():
-    """The package's environments; skipped without the native module, or gymnasium."""
-    pytest.importorskip("gymnasium", reason="gymnasium is not installed")
+def native():
+    """The compiled module; skipped without it."""
     try:
-        import vertibench._native  # noqa: F401
+        import vertibench._native
     except ImportError:
         pytest.skip("the native module is not installed (pip install the wheel)")
+    return vertibench._native
+
+
+@pytest.fixture(scope="session")
+def envs(native):
+    """The package's environments; skipped without the native module, or gymnasium."""
+    pytest.importorskip("gymnasium", reason="gymnasium is not installed")
     import vertibench.envs
 
     return vertibench.envs

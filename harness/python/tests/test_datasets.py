@@ -123,7 +123,7 @@ def test_parts_share_no_world_and_have_everything(explored):
         assert [p.episodes for p in dataset.split(train=0.7, seed=seed)] == [train.episodes, held_out.episodes]
         splits.add(frozenset(worlds[1]))
     assert len(splits) > 1, "the seed decides"
-    with pytest.raises(datasets.DatasetError, match="not in this part"):
+    with pytest.raises(datasets.DatasetError, match="not in this dataset"):
         train.frames(held_out.episodes[0])
     only = dataset.where(lambda e: e.world == "w001")
     assert {e.world for e in only.episodes} == {"w001"}
@@ -169,27 +169,27 @@ def _edited(folder, name, change):
 
 DATA, EPISODES = "data/chunk-000/file-000.parquet", "meta/episodes/chunk-000/file-000.parquet"
 HURT = {
-    "unfinished": (lambda d: (d / "SHA256SUMS").unlink(), ["not finished", "--resume"]),
-    "no dataset": (lambda d: (d / "dataset.json").unlink(), ["no dataset is here"]),
+    "unfinished": (lambda d: (d / "SHA256SUMS").unlink(), ["incomplete", "--resume"]),
+    "no dataset": (lambda d: (d / "dataset.json").unlink(), ["not a dataset: dataset.json is missing"]),
     "newer": (lambda d: _edited(d, "dataset.json", lambda b: b.replace(b'"schema": 1', b'"schema": 9', 1)), ["version 9"]),
     "no JSON": (lambda d: _edited(d, "dataset.json", lambda b: b[:99]), ["dataset.json: not JSON"]),
     "no field": (lambda d: _edited(d, "dataset.json", lambda b: b.replace(b'"hz"', b'"hertz"')), ["a field is missing"]),
     "cut frames": (lambda d: _edited(d, DATA, lambda b: b[:-5000]), [DATA, "Parquet", "truncated"]),
     "no frames": (lambda d: (d / DATA).unlink(), [DATA, "missing"]),
     "cut episodes": (lambda d: _edited(d, EPISODES, lambda b: b[:99]), [EPISODES, "Parquet"]),
-    "cut heights": (lambda d: _edited(d, "suite/worlds/w001/elevation.png", lambda b: b[:-99]), ["elevation.png", "cut short"]),
+    "cut heights": (lambda d: _edited(d, "suite/worlds/w001/elevation.png", lambda b: b[:-99]), ["elevation.png", "truncated or damaged"]),
     "other heights": (
         lambda d: _edited(d, "suite/worlds/w001/world.yaml", lambda b: b.replace(b"rows: 129", b"rows: 130")),
         ["elevation.png: 129 x 129 pixels, world.yaml has 130 x 129"],
     ),
     "newer world": (
         lambda d: _edited(d, "suite/worlds/w001/world.yaml", lambda b: b.replace(b"schema: 1", b"schema: 2")),
-        ["world.yaml: version 2 of worlds"],
+        ["world.yaml: unsupported version 2 of the world format"],
     ),
     "no ground": (lambda d: (d / "suite/worlds/w001/semantics.yaml").unlink(), ["semantics.yaml", "cannot be read"]),
     "odd YAML": (
         lambda d: _edited(d, "suite/worlds/w001/obstacles.yaml", lambda b: b"obstacles: *all\n"),
-        ["obstacles.yaml: line 1", "doesn't read"],
+        ["obstacles.yaml: line 1: found undefined alias"],
     ),
 }
 

@@ -13,7 +13,7 @@ import vertibench
 OF_THE_RUN = ["planner", "planner_version", "suite", "vehicle", "perception", "rules", "scale", "seed"]
 
 
-def test_results_are_the_table_that_the_report_writes(driven, harness, tmp_path):
+def test_results_are_the_table_that_the_report_writes(native, driven, harness, tmp_path):
     harness("report", str(driven / "slow"), "--csv", str(tmp_path / "t.csv"))
     with (tmp_path / "t.csv").open(newline="") as file:
         rows = sorted(csv.DictReader(file), key=lambda r: r["task"])
@@ -30,7 +30,7 @@ def test_results_are_the_table_that_the_report_writes(driven, harness, tmp_path)
     assert table["fault"] == [None] * 4 and "success" in table["outcome"] and len(set(table["outcome"])) > 1
 
 
-def test_every_kind_of_frame_has_the_same(driven):
+def test_every_kind_of_frame_has_the_same(native, driven):
     pandas, polars = pytest.importorskip("pandas", reason="pandas is not installed"), pytest.importorskip("polars", reason="polars is not installed")
     run = vertibench.Run(driven / "slow")
     table = run.results("dict")
@@ -42,9 +42,10 @@ def test_every_kind_of_frame_has_the_same(driven):
         assert [None if pandas.isna(v) else v for v in frame[name]] == values, name
     assert frame.attrs["run"] == run.header == json.loads(arrow.schema.metadata[b"vertibench:run"])
     assert (frame.time_s.dtype, frame.sim_steps.dtype) == (np.float64, np.int64)
+    assert arrow.schema.field("roll_mean_deg").metadata[b"description"].startswith(b"Mean of |roll|")
 
 
-def test_what_is_missing_is_missing_and_whole_numbers_stay_whole(driven, tmp_path):
+def test_what_is_missing_is_missing_and_whole_numbers_stay_whole(native, driven, tmp_path):
     pandas = pytest.importorskip("pandas", reason="pandas is not installed")
     import shutil
 
@@ -60,7 +61,7 @@ def test_what_is_missing_is_missing_and_whole_numbers_stay_whole(driven, tmp_pat
     assert frame.fuel_total[1] == 2**60 + 1 and isinstance(frame.fuel_total.dtype, pandas.Int64Dtype)
 
 
-def test_packages_that_are_missing_are_named(driven, monkeypatch):
+def test_packages_that_are_missing_are_named(native, driven, monkeypatch):
     for package in ("pandas", "polars"):
         monkeypatch.setitem(sys.modules, package, None)
         with pytest.raises(vertibench.MissingPackageError) as caught:
@@ -74,6 +75,12 @@ def test_packages_that_are_missing_are_named(driven, monkeypatch):
     with pytest.raises(vertibench.VertibenchError, match="give one of pandas, polars, arrow, dict"):
         vertibench.results(driven / "slow", "excel")
     assert len(vertibench.results(driven / "slow", "arrow")) == 4, "nothing more is needed"
+
+
+def test_without_the_native_module_its_absence_is_reported(driven, monkeypatch):
+    monkeypatch.setitem(sys.modules, "vertibench._native", None)
+    with pytest.raises(vertibench.MissingError, match=r"^vertibench.results: .*\(install the wheel \(docs/python.md\)\)$"):
+        vertibench.results(driven / "slow")
 
 
 def test_a_trace_is_the_file_of_its_task(driven):
@@ -98,7 +105,7 @@ def test_a_trace_is_the_file_of_its_task(driven):
 def test_a_run_without_traces_says_so(program, tmp_path):
     run = vertibench.run("pid.wasm", suite="smoke", tasks="w001/t00", trace="none", out=tmp_path / "r", progress=False)
     for look in (run.trace, run.show):
-        with pytest.raises(vertibench.RunError, match=r"kept no trajectories \(run it again with trace='10hz'\)"):
+        with pytest.raises(vertibench.RunError, match=r"stored no trajectories \(run it again with trace='10hz'\)"):
             look("w001/t00")
     for look in (run.trace, run.show):
         with pytest.raises(

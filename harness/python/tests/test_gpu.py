@@ -60,7 +60,7 @@ def test_packaged_kernels_are_found(monkeypatch, tmp_path):
         ({"kernel": 5}, "kernel: 5 must be a name or a path"),
         ({"tasks": 5}, "tasks: 5 must be a selector"),
         ({"tasks": ["w001/t00", "w999/t00"]}, "w999"),
-        ({"time_step": "a"}, "time_step: 'a' is no number"),
+        ({"time_step": "a"}, "time_step: 'a' is not a number"),
         ({"suite": "no-suite"}, "no-suite"),
         ({"tasks": "w999/t00"}, "w999"),
         ({"vehicle": "no-vehicle"}, "no-vehicle"),

@@ -47,7 +47,7 @@ def test_a_package_that_minari_lacks_is_named():
     # As Minari raises it: an error of its own without the name of a module.
     told = str(_missing(ImportError("h5py is not installed. Please install it using `pip install minari[hdf5]`")))
     assert "h5py is not installed" in told and "None" not in told
-    assert "a package is missing: minari (" in str(_missing(ModuleNotFoundError("No module named 'minari'", name="minari")))
+    assert "a package is not installed: minari (" in str(_missing(ModuleNotFoundError("No module named 'minari'", name="minari")))
 
 
 def test_minari_gets_every_step(explored, minari):
@@ -87,7 +87,7 @@ def test_minari_rewards_the_goal(explored, minari, monkeypatch):
         ends.append((episode.rewards[-1], episode.terminations[-1], episode.truncations[-1]))
     assert ends == [(1, True, False), (0, False, True), (0, False, True), (0, True, False)]
     monkeypatch.setattr(dataset, "info", dataclasses.replace(dataset.info, of_a_suite=True))
-    with pytest.raises(datasets.DatasetError, match="nothing may be trained on it"):
+    with pytest.raises(datasets.DatasetError, match="must not be used for training"):
         datasets.to_minari(dataset, "suite-v0")
 
 
@@ -107,7 +107,7 @@ def test_the_command_converts(explored, minari, tmp_path):
         (("to-minari", str(tmp_path / "none"), "x-v0"), "no such folder"),
         (("to-minari", str(explored), "explored-v1"), "explored-v1"),
         (("to-minari", str(explored), "no version"), "no version"),
-        (("to-minari", str(explored), "badid"), "'badid' is no name in Minari's store"),
+        (("to-minari", str(explored), "badid"), "'badid' is not a valid dataset name"),
     ]:
         before = sorted(tmp_path.rglob("*"))
         failed = run(*arguments)
@@ -122,5 +122,5 @@ def test_what_minari_can_not_finish_is_removed(explored, minari, tmp_path, monke
     with pytest.raises(IndexError):
         datasets.to_minari(dataset, "own/half-v0")
     assert not list(tmp_path.iterdir())
-    with pytest.raises(datasets.DatasetError, match="is no name in Minari's store"):
+    with pytest.raises(datasets.DatasetError, match="is not a valid dataset name"):
         datasets.to_minari(dataset, 5)

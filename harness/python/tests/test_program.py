@@ -48,7 +48,7 @@ def test_what_the_user_names_comes_first(packaged, monkeypatch, tmp_path):
         monkeypatch.setenv(variable, str(tmp_path))
         assert find() == tmp_path
         monkeypatch.setenv(variable, str(tmp_path / "gone"))
-        with pytest.raises(MissingError, match=f"gone: .* isn't there \\({variable} names it"):
+        with pytest.raises(MissingError, match=f"gone: .* is missing \\({variable} names it"):
             find()
         monkeypatch.delenv(variable)
 
@@ -69,7 +69,7 @@ def test_nothing_of_a_checkout_is_taken_for_a_package_that_lacks_something(packa
     (packaged / "bin/vb-harness").unlink()
     (tmp_path / "release").mkdir()
     (tmp_path / "release/vb-harness").touch()
-    with pytest.raises(MissingError, match="install vertibench again, or set VB_HARNESS"):
+    with pytest.raises(MissingError, match="install a wheel of `cargo xtask wheel`, or set VB_HARNESS"):
         harness_path()
 
 
@@ -77,7 +77,7 @@ def test_a_planner_is_a_file_or_the_name_of_one_in_the_folder_of_planners(packag
     Path("mine.wasm").touch()
     assert plugin_path("mine.wasm") == Path("mine.wasm")
     assert plugin_path(packaged / "plugins/ibex.wasm") == packaged / "plugins/ibex.wasm"
-    with pytest.raises(MissingError, match="the planners there: ibex.wasm, pid.wasm"):
+    with pytest.raises(MissingError, match="its planners: ibex.wasm, pid.wasm"):
         plugin_path("gone.wasm")
     with pytest.raises(MissingError, match="planners/pid.wasm: no such planner"):
         plugin_path("planners/pid.wasm")

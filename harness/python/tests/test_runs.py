@@ -73,7 +73,7 @@ def test_errors_have_the_programs_words_and_code(program, tmp_path):
         (vertibench.UsageError, 2, {"trace": "20hz"}, "20hz"),
         (vertibench.UsageError, 2, {"tasks": 5}, "tasks: 5 must be a selector"),
         (vertibench.UsageError, 2, {"tasks": [1]}, "tasks: [1] must be a selector"),
-        (vertibench.UsageError, 2, {"params": 5}, "params=5: they are no parameters"),
+        (vertibench.UsageError, 2, {"params": 5}, "params=5: not a dictionary"),
         (vertibench.InputError, 3, {"suite": "none"}, "there is no suite none"),
         (vertibench.InputError, 3, {"vehicle": "none"}, "there is no vehicle none"),
         (vertibench.OutputError, 4, {"out": tmp_path / "full"}, "is not empty"),
@@ -84,7 +84,7 @@ def test_errors_have_the_programs_words_and_code(program, tmp_path):
         message = str(caught.value)
         assert caught.value.code == code and told in message and "\n" not in message, message
         assert not message.startswith("error") and isinstance(caught.value, vertibench.VertibenchError)
-    with pytest.raises(vertibench.UsageError, match="plugin=5: it is no planner"):
+    with pytest.raises(vertibench.UsageError, match="plugin=5: not a planner"):
         vertibench.run(5)
     with pytest.raises(vertibench.InputError, match="none.wasm"):
         vertibench.run("none.wasm", suite="smoke")
@@ -104,7 +104,7 @@ def test_every_code_has_its_error(code, kind, stand_in, driven):
     assert type(error).__name__ == kind and (error.code, str(error)) == (code, "what, where (what to do)")
     assert (error.run is not None) == (code in (7, 10, 130)), "the tasks that were done"
     stand_in(code=code)
-    with pytest.raises(vertibench.ProgramError, match=f"ended with exit code {code} and said nothing"):
+    with pytest.raises(vertibench.ProgramError, match=f"ended with exit code {code} without a message"):
         vertibench.run("pid.wasm")
 
 
@@ -122,15 +122,15 @@ def test_what_is_completed_with_a_warning_is_a_run(stand_in, driven):
 
 def test_what_is_no_harness_is_refused(stand_in, tmp_path, monkeypatch):
     for told, what in (
-        ("hello", "`hello` is no message"),
-        ([1], "is no message"),
-        ({"event": "x"}, "without telling where"),
+        ("hello", "`hello` is not an event"),
+        ([1], "is not an event"),
+        ({"event": "x"}, "without the directory of the results"),
     ):
         stand_in(told)
         with pytest.raises(vertibench.ProgramError, match=what):
             vertibench.run("pid.wasm")
     monkeypatch.setenv("VB_HARNESS", str(tmp_path / "none"))
-    with pytest.raises(vertibench.VertibenchError, match="the program isn't there"):
+    with pytest.raises(vertibench.VertibenchError, match="the program is missing"):
         vertibench.run("pid.wasm")
     (tmp_path / "none").touch()
     with pytest.raises(vertibench.ProgramError, match="cannot be started"):
@@ -197,7 +197,7 @@ def test_a_program_that_does_not_stop_is_ended(tmp_path, monkeypatch):
     )
     file.chmod(0o755)
     monkeypatch.setenv("VB_HARNESS", str(file))
-    monkeypatch.setattr("vertibench._runs.launch._PATIENCE", 0.5)
+    monkeypatch.setattr("vertibench._runs.program._PATIENCE", 0.5)
 
     def fail(progress):
         while not (tmp_path / "pid").is_file():
@@ -228,7 +228,7 @@ def test_import_is_light_and_names_are_found():
     source = Path(vertibench.__file__).read_text()
     for name in vertibench.__all__:
         if name in ("envs", "gpu") and importlib.util.find_spec("vertibench._native") is None:
-            with pytest.raises(vertibench.MissingError, match="module in Rust can't be loaded: .*install the wheel"):
+            with pytest.raises(vertibench.MissingError, match="compiled module can't be loaded: .*install the wheel"):
                 getattr(vertibench, name)
             continue
         assert getattr(vertibench, name).__doc__, name
@@ -238,7 +238,7 @@ def test_import_is_light_and_names_are_found():
         vertibench.nothing
 
 
-def test_hurt_runs_are_told_in_one_line(driven, tmp_path):
+def test_hurt_runs_are_told_in_one_line(driven, native, tmp_path):
     import shutil
 
     def edit(name, old, new):
@@ -257,20 +257,20 @@ def test_hurt_runs_are_told_in_one_line(driven, tmp_path):
     cases = [
         ([lambda d: shutil.rmtree(d)], "there is no such folder"),
         ([lambda d: (d / "run.json").unlink()], "run.json is missing (give the directory of a run)"),
-        ([edit("run.json", b'"schema": 3', b'"schema": 4')], "version 4 of runs"),
+        ([edit("run.json", b'"schema": 3', b'"schema": 4')], "unsupported version 4 of the run format"),
         ([cut("run.json", 50)], "run.json: not JSON"),
-        ([edit("run.json", b'"seed": 0', b'"seed": 1')], "run.json is not what was written"),
-        ([edit("tasks.jsonl", b'"stuck"', b'"success"')], "is not what was written: its checksum is another"),
+        ([edit("run.json", b'"seed": 0', b'"seed": 1')], "run.json differs from its checksum"),
+        ([edit("tasks.jsonl", b'"stuck"', b'"success"')], "differs from its checksum"),
         ([edit("tasks.jsonl", b"{", b"(")], "tasks.jsonl line 1: not JSON"),
-        ([no_sums, edit("tasks.jsonl", b'"task"', b'"tusk"')], "it is no record of a task"),
-        ([no_sums, edit("tasks.jsonl", b'"time_s":', b'"time_s":"x","t":')], "time_s is of a wrong type"),
-        ([cut("checksums.txt", 20), lambda d: (d / "checksums.txt").open("a").write("\n")], "it is no checksum"),
+        ([no_sums, edit("tasks.jsonl", b'"task"', b'"tusk"')], "not a record of a task"),
+        ([no_sums, edit("tasks.jsonl", b'"time_s":', b'"time_s":"x","t":')], "time_s has the wrong type"),
+        ([cut("checksums.txt", 20), lambda d: (d / "checksums.txt").open("a").write("\n")], "not a checksum"),
         ([lambda d: (d / trace).unlink()], "the trajectory is missing"),
-        ([cut(trace, 5000)], f"{trace} is not what was written"),
-        ([no_sums, cut(trace, 5000)], f"{trace}: no Parquet file"),
-        ([no_sums, edit(trace, b"vertibench:trace", b"vertibench:other")], f"{trace}: no "),
+        ([cut(trace, 5000)], f"{trace} differs from its checksum"),
+        ([no_sums, cut(trace, 5000)], f"{trace}: not a Parquet file"),
+        ([no_sums, edit(trace, b"vertibench:trace", b"vertibench:other")], f"{trace}: not a "),
         ([lambda d: (d / "summary.json").unlink()], "there is no summary yet (wait for the end of the run"),
-        ([lambda d: (d / "summary.json").write_text("{}")], "it is no summary of this version"),
+        ([lambda d: (d / "summary.json").write_text("{}")], "not a summary of this version"),
     ]
     for k, (changes, told) in enumerate(cases):
         folder = tmp_path / str(k)
@@ -288,7 +288,7 @@ def test_hurt_runs_are_told_in_one_line(driven, tmp_path):
         )
 
 
-def test_a_run_that_goes_on_is_read_as_far_as_it_got(driven, tmp_path):
+def test_a_run_that_goes_on_is_read_as_far_as_it_got(driven, native, tmp_path):
     import shutil
 
     shutil.copytree(driven / "slow", tmp_path / "r")

@@ -51,24 +51,25 @@ def same(run: Path, expected: dict[str, bytes]) -> None:
 
 def test_a_command_line_becomes_those_of_its_shards(tmp_path: Path) -> None:
     work = Work.of(["run", *RUN], tmp_path, 8)
-    assert work.shard(3, 2) == ["run", *RUN, "--out", str(tmp_path / "shards"), "--shard", "3/8", "--jobs", "2"]
+    assert work.shard(3, 2) == ["run", *RUN, "--out", str(tmp_path / "shards"), "--resume", "--shard", "3/8", "--jobs", "2"]
     assert work.shard(None)[-2:] == ["--shard", "auto"]
     assert work.joined() == ["merge", str(tmp_path / "shards"), "--out", str(tmp_path / "run")]
     sweep = Work.of(["sweep", "sweep.yaml"], tmp_path, 8)
     file = str(Path("sweep.yaml").absolute())
-    assert sweep.shard(3) == ["sweep", "run", file, "--out", str(tmp_path), "--shard", "3/8"]
+    assert sweep.shard(3) == ["sweep", "run", file, "--out", str(tmp_path), "--resume", "--shard", "3/8"]
     assert sweep.joined() == ["sweep", "report", file, "--out", str(tmp_path)]
     assert Work.from_json(json.loads(json.dumps(work.to_json()))) == work
+    assert Work.of(["pid.wasm", "--seed", "1"], tmp_path, 2).shard(1)[:4] == ["run", "pid.wasm", "--seed", "1"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "shards", "told"),
     [
-        (["--plugin", "pid.wasm", "--shard", "1/2"], 2, "--shard: the option is set for each shard by itself"),
+        (["--plugin", "pid.wasm", "--shard", "1/2"], 2, "--shard: the option is set per shard automatically"),
         (["--plugin", "pid.wasm", "--out=x"], 2, "--out=x: the option is set"),
-        (["--plugin", "pid.wasm"], 0, "--shards: 0 is no number of shards"),
-        (["--suite", "smoke"], 2, "it names no planner"),
-        (["sweep"], 2, "sweep: it takes one file"),
+        (["--plugin", "pid.wasm"], 0, "--shards: 0 is not a number of shards"),
+        (["--suite", "smoke"], 2, "the command line: no planner"),
+        (["sweep"], 2, "sweep: one file and no options"),
         (["sweep", "a.yaml", "--jobs"], 2, "--jobs: the option is set"),
     ],
 )
@@ -259,7 +260,7 @@ PartitionName=debug Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 def test_slurm_makes_the_run_of_one_machine_though_a_job_is_requeued(slurm: Path, one: dict[str, bytes], tmp_path: Path) -> None:
     work = Work.of(RUN, tmp_path, 2)
     first = on_slurm.submit(work, 1, 5, {"partition": "debug"}, 1)[0]
-    with pytest.raises(ScaleError, match="an array was submitted for it already"):
+    with pytest.raises(ScaleError, match="an array has been submitted for it"):
         on_slurm.submit(work, 1, 5, {}, 1)
     # Slurm's own warning that the job's time is nearly over; submitit puts it back into the queue.
     for _ in range(600):
@@ -277,7 +278,7 @@ def test_a_shard_that_fails_for_good_is_told_of_by_slurm(slurm: Path, tmp_path: 
     on_slurm.submit(Work.of(["--plugin", "pid.wasm", "--suite", "nowhere"], tmp_path, 1), 1, 5, {}, 1)
     with pytest.raises(ScaleError, match=r"shard 1: it ended with code 3: .*nowhere"):
         on_slurm.collect(tmp_path)
-    with pytest.raises(ScaleError, match="no array was submitted"):
+    with pytest.raises(ScaleError, match="no array has been submitted"):
         on_slurm.collect(tmp_path / "elsewhere")
 
 
@@ -290,12 +291,12 @@ def test_the_jobs_for_kubernetes_are_valid_and_map_exit_codes(tmp_path: Path, ca
     assert (spec["completions"], spec["completionMode"], spec["backoffLimitPerIndex"]) == (64, "Indexed", 3)
     container = spec["template"]["spec"]["containers"][0]
     assert container["env"] == [{"name": "VB_SHARDS", "value": "64"}]
-    assert container["command"] == ["vertibench", "run", *RUN, "--out", "/results/mine/shards", "--shard", "auto", "--jobs", "4"]
+    assert container["command"] == ["vertibench", "run", *RUN, "--out", "/results/mine/shards", "--resume", "--shard", "auto", "--jobs", "4"]
     rules = {r["action"]: r.get("onExitCodes", {}).get("values") for r in spec["podFailurePolicy"]["rules"]}
     assert rules == {"FailJob": [1, 2, 3, 10], "Ignore": None, "Count": [4, 7, 130]}
     assert joined["spec"]["template"]["spec"]["containers"][0]["command"][:2] == ["vertibench", "merge"]
     assert on_kubernetes.main([*options[:3], str(tmp_path), *options[4:], "--", *RUN]) == 2
-    assert "isn't on the volume" in capsys.readouterr().err
+    assert "is not on the volume" in capsys.readouterr().err
     validate = pytest.importorskip("kubernetes_validate", reason="kubernetes-validate is not installed").validate
     for job in jobs:
         for version in ("1.31", "1.33"):

@@ -108,13 +108,13 @@ def test_a_packaged_planner_tells_its_name_and_weights(made):
 
 
 def test_what_can_not_be_packaged_is_refused(made, tmp_path):
-    with pytest.raises(TrainingError, match="--name My Planner: a planner's name holds a-z"):
+    with pytest.raises(TrainingError, match="--name My Planner: the name of a planner must consist of a-z"):
         made(name="My Planner")
     large = Weights(NOTES, [dense("head.0", np.zeros((600, 600)), np.zeros(600))])
-    with pytest.raises(TrainingError, match=f"bytes are more than a planner has room for, {CAPACITY}"):
+    with pytest.raises(TrainingError, match=f"bytes exceed the {CAPACITY} bytes"):
         made(large)
     (tmp_path / "text").write_text("no weights")
-    with pytest.raises(TrainingError, match="text: these are no weights"):
+    with pytest.raises(TrainingError, match="text: not a weight file"):
         read_weights(tmp_path / "text")
     with pytest.raises(TrainingError, match="nowhere: it can't be read: No such file"):
         read_weights(tmp_path / "nowhere")
@@ -163,7 +163,7 @@ def test_configurations_are_read_and_changed():
         ({"algorithm": "dqn"}, "algorithm: 'dqn' must be sac or ppo"),
         ({"sac.mirror": "1"}, "sac.mirror: 1 must be true or false"),
         ({"worlds.seed": "2025"}, "worlds.seed: 2025 must lie in 7000 to 7999"),
-        ({"held_out.seed": "7500"}, "held_out.seed: it is that of the worlds that are learned in"),
+        ({"held_out.seed": "7500"}, "held_out.seed: it must differ from worlds.seed"),
         ({"speed_range": "[1]"}, "must be two speeds"),
         ({"action": "pedals"}, "action: 'pedals' must be speed or rate"),
         ({"network.widths": "64"}, "network.widths: 64 must be a list"),
@@ -177,9 +177,9 @@ def test_configurations_are_read_and_changed():
         ({"worlds.count": "2.5"}, "worlds.count: 2.5 must be a whole number"),
         ({"environments": "64.0"}, "environments: 64.0 must be a whole number"),
         ({"time_step": "0.003"}, "time_step: 0.003 must divide 0.01 s"),
-        ({"planners": "{rl: 5}"}, "planners: {'rl': 5} must be names with their curricula"),
-        ({"checkpoint": "1000"}, "checkpoint: 1000 is no multiple of environments, 64"),
-        ({"checkpoint": "64000", "algorithm": "ppo"}, "checkpoint: 64000 is no multiple of environments times ppo.steps, 8192"),
+        ({"planners": "{rl: 5}"}, "planners: {'rl': 5} must map names of planners to curricula"),
+        ({"checkpoint": "1000"}, "checkpoint: 1000 is not a multiple of environments, 64"),
+        ({"checkpoint": "64000", "algorithm": "ppo"}, "checkpoint: 64000 is not a multiple of environments times ppo.steps, 8192"),
     ],
 )
 def test_flaws_of_configurations_are_told(changes, told):
@@ -188,7 +188,7 @@ def test_flaws_of_configurations_are_told(changes, told):
 
 
 def test_the_parts_of_an_observation_are_those_of_environments(envs):
-    with pytest.raises(TrainingError, match=re.escape("observation: ['state', 'nope'] must be made of state, pose, ")):
+    with pytest.raises(TrainingError, match=re.escape("observation: ['state', 'nope'] must consist of state, pose, ")):
         read_config("policy", {"observation": "[state, nope]"})
 
 
@@ -199,7 +199,7 @@ def test_a_number_of_nothing_is_refused(option, tmp_path, capsys):
     for number in ("0", "-5", "1.5"):
         with pytest.raises(SystemExit) as ended:
             main(["train", "rl", "--out", str(tmp_path / "run"), f"{option}={number}"])
-        assert ended.value.code == 2 and f"'{number}' must be a whole number of 1 at least" in capsys.readouterr().err
+        assert ended.value.code == 2 and f"'{number}' must be a whole number, at least 1" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", [["train", "rl", "--out", "x"], ["evaluate", "x"], ["export", "x", "y"], ["card", "x", "y"]])
@@ -274,7 +274,7 @@ def test_training_that_was_cut_off_goes_on_as_if_it_had_not_been(learned):
     folder, run = learned
     (folder / "cut/progress.jsonl").open("a").write('{"steps": 3000, "half a li')
     told = run("cut", 4096, threads=1)
-    assert "going on from checkpoint-000000002048" in told
+    assert "continuing from checkpoint-000000002048" in told
     for file in ("model.pt", "state.json"):
         one, other = ((folder / name / "checkpoint-000000004096" / file).read_bytes() for name in ("whole", "cut"))
         assert one == other, file
@@ -288,9 +288,9 @@ def test_training_that_was_cut_off_goes_on_as_if_it_had_not_been(learned):
 
 def test_another_run_is_not_gone_on_with(learned):
     folder, run = learned
-    with pytest.raises(TrainingError, match="the run there is of seed 1"):
+    with pytest.raises(TrainingError, match="the folder contains a run with seed 1"):
         run("whole", 8192, seed=2)
-    with pytest.raises(TrainingError, match=f"the run there is of planner {PLANNERS[algorithm_of(run)]}"):
+    with pytest.raises(TrainingError, match=f"the folder contains a run with planner {PLANNERS[algorithm_of(run)]}"):
         run("whole", 8192, planner="uniform")
     with pytest.raises(TrainingError, match="rl: there is no such planner in the configuration"):
         run("new", 8192, planner="rl")
@@ -323,7 +323,7 @@ def test_only_the_last_checkpoint_keeps_what_was_driven(learned):
 def test_an_algorithm_that_knows_no_surprise_follows_no_replay(learned):
     _, run = learned
     if algorithm_of(run) == "sac":
-        with pytest.raises(TrainingError, match="replay: the curriculum replay goes by how surprising episodes were, which sac"):
+        with pytest.raises(TrainingError, match="replay: the curriculum replay needs scores of episodes, which sac"):
             run("other", 2048, planner="replay")
 
 
@@ -371,7 +371,7 @@ def test_left_and_right_change_places_in_a_mirror(envs):
     # Column 0 is the rightmost.
     assert (turned[:, 36:292].reshape(2, 16, 16) == observation["height"][:, :, ::-1]).all()
     assert (turned[:, 292:].reshape(2, 16, 16) == observation["class"][:, :, ::-1]).all()
-    with pytest.raises(TrainingError, match="wheels has no mirror image"):
+    with pytest.raises(TrainingError, match="wheels has no mirror augmentation"):
         mirror(envs.NavigationVectorEnv(1, suite="smoke", observation=["wheels"])._setup.parts)
 
 
@@ -416,7 +416,7 @@ def test_a_card_has_what_a_policy_does_beside_what_it_must_beat(learned, program
     for name in ("other", "pid"):
         wanted = own["held_out"]["policy"]["all"]["success"] - own["held_out"][name]["all"]["success"]
         assert less[name]["points"] == pytest.approx(wanted, abs=0.11)
-    with pytest.raises(TrainingError, match="there is another other in the card"):
+    with pytest.raises(TrainingError, match="the card has another run with the name other"):
         card(folder / "whole", tmp_path / "card.json", [folder / "other", folder / "other"])
 
 

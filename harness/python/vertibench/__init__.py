@@ -60,17 +60,17 @@ if TYPE_CHECKING:
     from ._runs.errors import StoppedError as StoppedError
     from ._runs.errors import UsageError as UsageError
     from ._runs.frames import Trace as Trace
-    from ._runs.frames import results as results
-    from ._runs.frames import trace as trace
     from ._runs.launch import Progress as Progress
     from ._runs.launch import run as run
+    from ._runs.run import Run as Run
+    from ._runs.run import results as results
+    from ._runs.run import show as show
+    from ._runs.run import summary as summary
+    from ._runs.run import trace as trace
     from ._runs.show import Shown as Shown
-    from ._runs.show import show as show
     from ._runs.show import show_task as show_task
-    from ._runs.store import Run as Run
     from ._runs.summary import Estimate as Estimate
     from ._runs.summary import Summary as Summary
-    from ._runs.summary import summary as summary
 
 #: Module of each public name; it is imported when one of its names is first used (PEP 562).
 _FROM = {
@@ -99,11 +99,11 @@ _FROM = {
         "StoppedError",
         "UsageError",
     ),
-    "_runs.frames": ("Trace", "results", "trace"),
+    "_runs.frames": ("Trace",),
     "_runs.launch": ("Progress", "run"),
-    "_runs.show": ("Shown", "show", "show_task"),
-    "_runs.store": ("Run",),
-    "_runs.summary": ("Estimate", "Summary", "summary"),
+    "_runs.run": ("Run", "results", "show", "summary", "trace"),
+    "_runs.show": ("Shown", "show_task"),
+    "_runs.summary": ("Estimate", "Summary"),
 }
 _MODULES = {name: module for module, names in _FROM.items() for name in names}
 

@@ -26,7 +26,7 @@ def main() -> int:
         return subprocess.run(command, env=variables, check=False).returncode
     except OSError as e:
         print(
-            f"error: {program}: can't be run: {e.strerror or e} (install vertibench again, or set VB_HARNESS)",
+            f"error: {program}: can't be started: {e.strerror or e} (install vertibench again, or set VB_HARNESS)",
             file=sys.stderr,
         )
         return 3

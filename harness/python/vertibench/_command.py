@@ -20,7 +20,7 @@ def ended(do: Callable[[], int | None], stopped: str = "stopped") -> int:
         print(f"error: {e}", file=sys.stderr)
         return 2
     except OSError as e:
-        print(f"error: {e.filename or 'the system'}: {e.strerror or e} (see that it can be written there)", file=sys.stderr)
+        print(f"error: {e.filename or 'the system'}: {e.strerror or e} (check that the folder is writable)", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
         print(stopped, file=sys.stderr)
@@ -34,7 +34,7 @@ def whole_number(text: str) -> int:
     except ValueError:
         number = 0
     if number < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number of 1 at least")
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number, at least 1")
     return number
 
 

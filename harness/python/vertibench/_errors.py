@@ -40,7 +40,7 @@ class MissingError(VertibenchError):
 
 def missing_module(where: str, reason: ImportError) -> MissingError:
     """Returns the error for a part of the package whose compiled module can't be loaded."""
-    return MissingError(where, f"the package's module in Rust can't be loaded: {reason}", "install the wheel (docs/python.md)")
+    return MissingError(where, f"the compiled module can't be loaded: {reason}", "install the wheel (docs/python.md)")
 
 
 class MissingPackageError(VertibenchError, ImportError):
@@ -54,7 +54,7 @@ class MissingPackageError(VertibenchError, ImportError):
 
     def __init__(self, package: str, what_for: str, extra: str | None = None):
         to_do = f"pip install 'vertibench[{extra}]'" if extra else f"pip install {package}"
-        super().__init__(package, f"it is not installed, but needed for {what_for}", to_do)
+        super().__init__(package, f"not installed, but required for {what_for}", to_do)
 
 
 class EnvError(VertibenchError):

@@ -16,8 +16,8 @@ def whole(name: str, value: Any, least: int = 1, most: int | None = None) -> int
         if count != value or count < least or (most is not None and count > most):
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        within = f"of {least} at least" if most is None else f"from {least} to {most}"
-        raise OptionError(f"{name}: {value!r} must be a whole number {within}") from None
+        within = f", at least {least}" if most is None else f" from {least} to {most}"
+        raise OptionError(f"{name}: {value!r} must be a whole number{within}") from None
     return count
 
 
@@ -26,7 +26,7 @@ def number(name: str, value: Any) -> float:
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name}: {value!r} is no number") from None
+        raise OptionError(f"{name}: {value!r} is not a number") from None
 
 
 def seed(name: str, value: Any) -> int | None:
@@ -38,7 +38,7 @@ def seed(name: str, value: Any) -> int | None:
         if own != value:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise OptionError(f"{name}: {value!r} is no whole number") from None
+        raise OptionError(f"{name}: {value!r} is not a whole number") from None
     if not 0 <= own < 2**63:
         raise OptionError(f"{name}: {own} must lie in 0 to 2**63 - 1")
     return own
@@ -52,7 +52,7 @@ def path(name: str, value: Any) -> str:
 
 
 def selector(tasks: Any) -> str | None:
-    """Returns a task selector: None, a text, or a list of names joined with commas; raises `OptionError` otherwise."""
+    """Returns a task selector: None, a text, or a list of conditions joined with commas; raises `OptionError` otherwise."""
     if tasks is None or isinstance(tasks, str):
         return tasks
     names = list(tasks) if isinstance(tasks, Iterable) else [tasks]

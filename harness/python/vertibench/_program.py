@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ._errors import MissingError
 
-# Files that the build adds to the package; a checkout has none.
+# Files that `cargo xtask wheel` adds to the package; a checkout has none.
 _DATA = Path(__file__).parent / "_data"
 _CHECKOUT = Path(__file__).parent.parent.parent.parent
 _SUFFIX = ".exe" if sys.platform == "win32" else ""
@@ -69,9 +69,9 @@ def kernels_path() -> Path:
         MissingError: If the folder or file doesn't exist.
     """
     build = "cargo xtask kernel"
-    # A package built from its sources has no kernels.
+    # A wheel without the option --kernels has no kernels.
     lacking = f"run `{build}` in a checkout of this version"
-    return _find(KERNEL, "kernels", _target() / "kernel", "the folder of kernels for GPUs", build, lacking)
+    return _find(KERNEL, "kernels", _target() / "kernel", "the folder of GPU kernels", build, lacking)
 
 
 def plugin_path(name: str | os.PathLike[str]) -> Path:
@@ -96,7 +96,7 @@ def plugin_path(name: str | os.PathLike[str]) -> Path:
     if (folder / wanted).is_file():
         return folder / wanted
     there = ", ".join(sorted(file.name for file in folder.glob("*.wasm"))) or "none"
-    raise MissingError(wanted, f"no such planner, here or in {folder}", f"the planners there: {there}")
+    raise MissingError(wanted, f"no such file here or in {folder}", f"its planners: {there}")
 
 
 def environment() -> dict[str, str]:
@@ -118,21 +118,21 @@ def _find(
     built: Path,
     what: str,
     build: str,
-    lacking: str = "install vertibench again",
+    lacking: str = "install a wheel of `cargo xtask wheel`",
 ) -> Path:
     named = os.environ.get(variable)
     if named:
         path = Path(named)
         if path.exists():
             return path
-        raise MissingError(path, f"{what} isn't there", f"{variable} names it: correct or unset it")
+        raise MissingError(path, f"{what} is missing", f"{variable} names it: correct or unset {variable}")
     if (_DATA / packaged).exists():
         return _DATA / packaged
     if _in_checkout():
         if built.exists():
             return built
-        raise MissingError(built, f"{what} isn't there", f"run `{build}` in the checkout, or set {variable}")
-    raise MissingError(_DATA / packaged, f"{what} isn't there", f"{lacking}, or set {variable}")
+        raise MissingError(built, f"{what} is missing", f"run `{build}` in the checkout, or set {variable}")
+    raise MissingError(_DATA / packaged, f"{what} is missing", f"{lacking}, or set {variable}")
 
 
 def _in_checkout() -> bool:

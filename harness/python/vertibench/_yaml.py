@@ -1,155 +1,95 @@
-"""Reader for the YAML of suites.
+"""Reader for YAML files of suites and trainings, with PyYAML.
 
-The harness writes worlds as YAML with block and flow collections, quoted texts, plain words and numbers. This module
-reads that subset, so the package needs no YAML library. Anchors, tags, multi-line texts and other features are refused.
+The harness reads YAML 1.2, PyYAML YAML 1.1, in which `on` and `yes` are booleans, `010` is 8, `1e3` is a text and `12:30`
+is 750. The loader below therefore has the types of YAML 1.2 (core schema) only. It creates no objects of other classes,
+and refuses aliases, because a few of them can expand to gigabytes.
 """
 
 from __future__ import annotations
 
-import json
+import functools
 import re
+from pathlib import Path
 from typing import Any
 
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-_KEY = re.compile(r'("(?:[^"\\]|\\.)*"|[^\s"\'\[\]{},&*!|>%@`#-][^:#]*?)\s*:(?:\s+|$)')
-_TOKEN = re.compile(r'\s*([\[\]{},]|:(?=[\s\[\]{},]|$)|"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'|[^\s\[\]{},:"\'](?:[^\[\]{},:]|:(?!\s))*)')
-_REFUSED = tuple("&*!|>%@`")
+from ._errors import MissingPackageError
+
+#: Maximum size of a file, bytes; the largest file of the shipped suites has 65 kB.
+LIMIT = 64 << 20
+#: Plain scalars that are no texts, by type, and their first characters.
+_SCALARS = {
+    "null": (r"(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
+    "bool": (r"(?:true|True|TRUE|false|False|FALSE)$", "tTfF"),
+    "int": (r"(?:[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+)$", "-+0123456789"),
+    "float": (
+        r"(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$",
+        "-+.0123456789",
+    ),
+}
+
+
+def read(file: Path) -> Any:
+    """Reads the document in a file. Raises `OSError` if it can't be read, and `ValueError` if it is too large or invalid."""
+    with file.open("rb") as opened:
+        content = opened.read(LIMIT + 1)
+    if len(content) > LIMIT:
+        raise ValueError(f"it is larger than {LIMIT >> 20} MiB")
+    return parse(content.decode("utf-8"))
 
 
 def parse(text: str) -> Any:
-    """Parses a document into dictionaries, lists, texts and numbers. Raises `ValueError` with the line number."""
-    lines = []
-    for number, line in enumerate(text.splitlines(), 1):
-        line = _without_comment(line).rstrip()
-        if line and line != "---":
-            lines.append((number, len(line) - len(line.lstrip(" ")), line.strip()))
-    value, rest = _block(lines, 0)
-    if rest != len(lines):
-        raise ValueError(f"line {lines[rest][0]}: it is indented in a way that makes no sense")
-    return value
+    """Parses a document into dictionaries, lists, texts, numbers, booleans and None. Raises `ValueError` with the line."""
+    loader = _loader()
+    import yaml
+
+    try:
+        return yaml.load(text, loader)  # noqa: S506 - a subclass of SafeLoader
+    except yaml.MarkedYAMLError as e:
+        mark = e.problem_mark or e.context_mark
+        what = ", ".join(part for part in (e.context, e.problem) if part)
+        raise ValueError(f"line {mark.line + 1}: {what}" if mark else what) from None
+    except yaml.reader.ReaderError as e:
+        raise ValueError(f"line {text.count(chr(10), 0, e.position) + 1}: {e.reason}") from None
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
 
 
-def _without_comment(line: str) -> str:
-    quote = ""
-    for k, c in enumerate(line):
-        if quote:
-            if c == quote and line[k - 1] != "\\":
-                quote = ""
-        elif c in "\"'" and (k == 0 or line[k - 1] in " [{,:"):
-            quote = c
-        elif c == "#" and (k == 0 or line[k - 1] == " "):
-            return line[:k]
-    return line
+@functools.cache
+def _loader() -> Any:
+    try:
+        import yaml
+    except ImportError:
+        raise MissingPackageError("pyyaml", "the YAML files of suites and trainings") from None
 
+    class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+        """Loader of YAML 1.2."""
 
-def _block(lines: list, at: int) -> tuple[Any, int]:
-    """Parses the value that begins at a line and continues over all lines with at least its indentation."""
-    if at == len(lines):
-        return None, at
-    _, indent, text = lines[at]
-    if text == "-" or text.startswith("- "):
-        return _list(lines, at, indent)
-    if not _KEY.match(text):
-        return _flow(lines, at, text)
-    value: dict = {}
-    while at < len(lines) and lines[at][1] == indent and not lines[at][2].startswith("- "):
-        number, _, text = lines[at]
-        key = _KEY.match(text)
-        if not key:
-            raise ValueError(f"line {number}: `{text}` is no field")
-        name = str(_scalar(key[1], number))
-        if name in value:
-            raise ValueError(f"line {number}: the field {name} is there twice")
-        if key.end() < len(text):
-            value[name], at = _flow(lines, at, text[key.end() :])
-        elif at + 1 < len(lines) and (
-            lines[at + 1][1] > indent or (lines[at + 1][1] == indent and lines[at + 1][2].startswith("- "))
-        ):
-            value[name], at = _block(lines, at + 1)
-        else:
-            value[name], at = None, at + 1
-    return value, at
+        yaml_implicit_resolvers: dict[Any, Any] = {}
 
+        def construct_object(self, node: Any, deep: bool = False) -> Any:
+            # Only the node of an alias is constructed twice.
+            if node in self.constructed_objects or node in self.recursive_objects:
+                raise yaml.constructor.ConstructorError(None, None, "aliases (`*name`) are not supported", node.start_mark)
+            try:
+                return super().construct_object(node, deep)
+            except (AttributeError, KeyError, ValueError):
+                # Only with a tag, e.g. `!!bool 5`, or a number with thousands of digits.
+                raise yaml.constructor.ConstructorError(None, None, "invalid value", node.start_mark) from None
 
-def _list(lines: list, at: int, indent: int) -> tuple[list, int]:
-    value = []
-    while at < len(lines) and lines[at][1] == indent and (lines[at][2] == "-" or lines[at][2].startswith("- ")):
-        number, _, text = lines[at]
-        inner = text[1:].lstrip()
-        if inner:
-            # The text after the dash is a block, indented to its own column.
-            lines[at] = (number, indent + len(text) - len(inner), inner)
-            item, at = _block(lines, at)
-        else:
-            item, at = _block(lines, at + 1)
-        value.append(item)
-    return value, at
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            names = set()
+            for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+                name = (key.tag, key.value) if isinstance(key, yaml.ScalarNode) else None
+                if name in names:
+                    raise yaml.constructor.ConstructorError(None, None, f"duplicate field {key.value}", key.start_mark)
+                names |= {name} - {None}
+            return super().construct_mapping(node, deep)
 
+        def construct_yaml_int(self, node: Any) -> int:
+            text = self.construct_scalar(node)
+            return int(text, 0 if text[:2] in ("0o", "0x") else 10)
 
-def _flow(lines: list, at: int, text: str) -> tuple[Any, int]:
-    """Parses a value in brackets, which may continue over several lines, or a scalar."""
-    number = lines[at][0]
-    if text[0] not in "[{":
-        return _scalar(text, number), at + 1
-    tokens: list[str] = []
-    depth = 0
-    while True:
-        place = 0
-        while place < len(text):
-            token = _TOKEN.match(text, place)
-            if not token:
-                raise ValueError(f"line {lines[at][0]}: `{text[place:]}` makes no sense")
-            tokens.append(token[1])
-            depth += (token[1] in "[{") - (token[1] in "]}")
-            place = token.end()
-        at += 1
-        if depth <= 0:
-            break
-        if at == len(lines):
-            raise ValueError(f"line {number}: the bracket is never closed")
-        text = lines[at][2]
-    value, rest = _bracket(tokens, 0, number)
-    if rest != len(tokens):
-        raise ValueError(f"line {number}: `{tokens[rest]}` is too much")
-    return value, at
-
-
-def _bracket(tokens: list[str], at: int, number: int) -> tuple[Any, int]:
-    opening = tokens[at]
-    if opening not in ("[", "{"):
-        return _scalar(opening, number), at + 1
-    closing, at = ("]" if opening == "[" else "}"), at + 1
-    items: list = []
-    fields: dict = {}
-    while at < len(tokens) and tokens[at] != closing:
-        if opening == "{":
-            if at + 2 >= len(tokens) or tokens[at + 1] != ":":
-                raise ValueError(f"line {number}: after `{tokens[at]}` comes no value")
-            name = str(_scalar(tokens[at], number))
-            fields[name], at = _bracket(tokens, at + 2, number)
-        else:
-            item, at = _bracket(tokens, at, number)
-            items.append(item)
-        if at < len(tokens) and tokens[at] == ",":
-            at += 1
-        elif at < len(tokens) and tokens[at] != closing:
-            raise ValueError(f"line {number}: a comma is missing before `{tokens[at]}`")
-    if at >= len(tokens):
-        raise ValueError(f"line {number}: the bracket is never closed")
-    return (items if opening == "[" else fields), at + 1
-
-
-def _scalar(text: str, number: int) -> Any:
-    text = text.strip()
-    if text.startswith('"'):
-        try:
-            return json.loads(text)
-        except json.JSONDecodeError:
-            raise ValueError(f"line {number}: {text} is no text in quotes") from None
-    if text.startswith("'"):
-        return text[1:-1].replace("''", "'")
-    if text.startswith(_REFUSED):
-        raise ValueError(f"line {number}: `{text}` is YAML that this package doesn't read")
-    if _NUMBER.match(text):
-        return float(text) if any(c in text for c in ".eE") else int(text)
-    return {"true": True, "false": False, "null": None, "~": None, "": None}.get(text, text)
+    for kind, (pattern, first) in _SCALARS.items():
+        Loader.add_implicit_resolver(f"tag:yaml.org,2002:{kind}", re.compile(pattern), first)
+    Loader.add_constructor("tag:yaml.org,2002:int", Loader.construct_yaml_int)
+    return Loader

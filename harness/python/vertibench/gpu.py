@@ -144,7 +144,7 @@ class Fleet:
             except ValueError:
                 told = np.array(None)
             if told.ndim != 1 or told.dtype.kind not in "iu":
-                raise OptionError(f"reset: tasks must be whole numbers, one for each vehicle, not {told.dtype}{told.shape}")
+                raise OptionError(f"reset: tasks must be whole numbers, one per vehicle, not {told.dtype}{told.shape}")
             tasks = told.tolist()
         self._native.reset(tasks)
 
@@ -160,7 +160,7 @@ class Fleet:
         """
         steps = _options.number("advance", seconds) / self.time_step
         if not 0.5 <= steps <= 1e9 or abs(steps - round(steps)) > 1e-6:
-            raise OptionError(f"advance: {seconds} s is no whole number of steps of {self.time_step} s")
+            raise OptionError(f"advance: {seconds} s is not a whole number of steps of {self.time_step} s")
         self._native.advance(round(steps))
 
     def verify(self, vehicles: int = 64, seconds: float = 1.0) -> int:
@@ -182,7 +182,7 @@ class Fleet:
         """
         vehicles, seconds = _options.whole("verify: vehicles", vehicles), _options.number("verify: seconds", seconds)
         if not 0.0 < seconds <= 1e6:
-            raise OptionError(f"verify: {seconds} s is nothing to compare")
+            raise OptionError(f"verify: {seconds} s must be above 0")
         return self._native.verify(vehicles, seconds)
 
     def hashes(self) -> NDArray[np.uint64]:

@@ -101,8 +101,8 @@ mod tests {
     use super::*;
 
     fn built_in(name: &str) -> Rules {
-        let (_, text) = Rules::BUILTIN.into_iter().find(|(n, _)| *n == name).unwrap();
-        Rules::from_yaml(name, text).unwrap()
+        let (_, text) = Rules::BUILTIN.iter().find(|(n, _)| *n == name).unwrap();
+        Rules::parse(text, name).unwrap()
     }
 
     #[test]

@@ -334,7 +334,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             hash: config.rules.hash(),
             profile: serde_json::to_value(&config.rules).unwrap_or_default(),
         },
-        limits: limits.named().map(|(name, value)| (name.to_owned(), value)).into(),
+        limits: limits.named().into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
         trace: config.trace,
         logs: config.logs,
     }

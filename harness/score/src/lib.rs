@@ -32,10 +32,7 @@ pub use outcome::{Fault, Outcome, ThreeWay};
 pub use record::{FuelUse, TaskRecord};
 pub use rescore::{RescoreError, Rescored, rescore};
 pub use ride::{POWER_LIMIT_W, Ride, RideMeter, RideStep, SHOCK_LIMIT_G};
-pub use rules::{
-    BoundsRule, RecordedRulesError, RollTime, RolloverRule, Rules, RulesError, RulesFlaw, StartRule,
-    StuckRule, SuccessRule,
-};
+pub use rules::{BoundsRule, RollTime, RolloverRule, Rules, StartRule, StuckRule, SuccessRule};
 pub use scorer::{Scorer, TaskGeometry, TaskScore, Verdict};
 pub use stats::{
     BOOTSTRAP_SEED, Interval, Ratio, bootstrap, bootstrap_ratio, normal_cdf, normal_quantile,

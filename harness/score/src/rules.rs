@@ -1,11 +1,8 @@
 //! Rule profiles: what counts as success, stuck, rolled over. They are data: `tasks/rules/*.yaml`.
 
-use std::path::PathBuf;
-
 use serde::{Deserialize, Serialize};
+use vb_files::{Document, Flaw, Schema};
 use vb_record::RunHeader;
-
-const SCHEMA: u32 = 1;
 
 /// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied; times
 /// and speeds are multiplied by its square root, by which a small vehicle that does all that a large one does, under the
@@ -13,8 +10,8 @@ const SCHEMA: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
-    /// The version of the layout, which is 1.
-    pub schema: u32,
+    /// Version of the format.
+    pub schema: Schema<1>,
     /// The name of the profile.
     pub name: String,
     /// A sentence on what the profile stands for.
@@ -156,125 +153,35 @@ pub struct OverturnedRule {
     pub tilt_limit_deg: f64,
 }
 
-/// The reason why a rule profile can't be used. Each message is one line with file, field and value.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RulesError {
-    /// The file can't be read.
-    #[error("cannot read rules {}: {source} (give a YAML file, or one of {})", .path.display(), Rules::BUILTIN.map(|(name, _)| name).join(", "))]
-    Read {
-        /// The path of the file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: std::io::Error,
-    },
-    /// The file is not YAML, or a field is missing, unknown or of a wrong type.
-    #[error("{file}: {source} (fields: docs/scoring.md)")]
-    Syntax {
-        /// The name of the file.
-        file: String,
-        /// The field, the value, the place and what is wrong.
-        source: vb_world::yaml::YamlError,
-    },
-    /// A field's value makes no sense.
-    #[error("{file}: {field}: {value} must be {want}")]
-    Value {
-        /// The name of the file.
-        file: String,
-        /// The dotted path of the field.
-        field: String,
-        /// The value of the field.
-        value: String,
-        /// A description of what the value must be.
-        want: &'static str,
-    },
-}
-
-/// A field of rules whose value makes no sense.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {value} must be {want}")]
-pub struct RulesFlaw {
-    /// The dotted path of the field.
-    pub field: String,
-    /// The value of the field.
-    pub value: String,
-    /// A description of what the value must be.
-    pub want: &'static str,
-}
-
-/// The reason why the rules that a run has recorded can't be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RecordedRulesError {
-    /// A field is missing, unknown or of a wrong type.
-    #[error(transparent)]
-    Layout(#[from] serde_json::Error),
-    /// A field's value makes no sense.
-    #[error(transparent)]
-    Flaw(#[from] RulesFlaw),
-}
-
 impl Rules {
     /// The rules that a run was driven by, as its header has them.
     ///
     /// # Errors
-    /// Returns an error if they are none of this version, or make no sense.
-    pub fn recorded(header: &RunHeader) -> Result<Self, RecordedRulesError> {
-        let rules: Self = serde_json::from_value(header.rules.profile.clone())?;
-        rules.validate()?;
+    /// Returns an error if a field is missing, unknown or invalid.
+    pub fn recorded(header: &RunHeader) -> Result<Self, Flaw> {
+        let rules: Self = serde_json::from_value(header.rules.profile.clone())
+            .map_err(|e| Flaw::new("rules.profile", e.to_string()))?;
+        rules.check()?;
         Ok(rules)
     }
-
-    /// The profiles that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 5] = [
-        ("paper", include_str!("../../../tasks/rules/paper.yaml")),
-        ("release", include_str!("../../../tasks/rules/release.yaml")),
-        ("dev", include_str!("../../../tasks/rules/dev.yaml")),
-        ("exploration", include_str!("../../../tasks/rules/exploration.yaml")),
-        ("training", include_str!("../../../tasks/rules/training.yaml")),
-    ];
 
     /// The paper's rules, the default.
     ///
     /// # Panics
-    /// Never panics: the file is part of the program, and tested.
+    /// Never: the file is part of the program, and tested.
     #[must_use]
     pub fn paper() -> Self {
-        let (name, text) = Self::BUILTIN[0];
-        Self::from_yaml(name, text).expect("the built-in profile is valid")
-    }
-
-    /// Finds a built-in profile by its name, or else reads a rule file by its path.
-    ///
-    /// # Errors
-    /// Returns [`RulesError`], which says what is wrong.
-    pub fn resolve(name_or_path: &str) -> Result<Self, RulesError> {
-        let text = vb_files::named_text(name_or_path, &Self::BUILTIN)
-            .map_err(|source| RulesError::Read { path: name_or_path.into(), source })?;
-        Self::from_yaml(name_or_path, &text)
-    }
-
-    /// Reads rules from YAML; `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Returns [`RulesError`], which says what is wrong.
-    pub fn from_yaml(file: &str, text: &str) -> Result<Self, RulesError> {
-        let rules: Self = vb_world::yaml::parse(text)
-            .map_err(|source| RulesError::Syntax { file: file.to_owned(), source })?;
-        rules.validate().map_err(|RulesFlaw { field, value, want }| RulesError::Value {
-            file: file.to_owned(),
-            field,
-            value,
-            want,
-        })?;
-        Ok(rules)
+        Self::resolve("paper").expect("the built-in profile is valid")
     }
 
     /// The SHA-256 (hex) over the profile's content, which is independent of how the file is laid out.
+    ///
+    /// # Panics
+    /// Never: fields are strings and numbers.
     #[must_use]
     pub fn hash(&self) -> String {
         // Fields come in the order of the struct; all keys are strings and all numbers finite.
-        let canonical = serde_json::to_vec(self).unwrap_or_default();
+        let canonical = serde_json::to_vec(self).expect("rules are plain data");
         vb_files::sha256(&canonical)
     }
 
@@ -307,11 +214,8 @@ impl Rules {
         }
     }
 
-    fn validate(&self) -> Result<(), RulesFlaw> {
-        let fail = |field: &str, value: String, want| Err(RulesFlaw { field: field.to_owned(), value, want });
-        if self.schema != SCHEMA {
-            return fail("schema", self.schema.to_string(), "1, the version that this harness reads");
-        }
+    fn check(&self) -> Result<(), Flaw> {
+        let fail = |field: &str, value: String, want: &str| Err(Flaw::must_be(field, value, want));
         if self.name.is_empty() {
             return fail("name", "\"\"".into(), "a name");
         }
@@ -388,6 +292,26 @@ impl Rules {
     }
 }
 
+impl Document for Rules {
+    type File = Self;
+    const KIND: &'static str = "rules";
+    const FIELDS: &'static str = "docs/scoring.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
+        ("paper", include_str!("../../../tasks/rules/paper.yaml")),
+        ("release", include_str!("../../../tasks/rules/release.yaml")),
+        ("dev", include_str!("../../../tasks/rules/dev.yaml")),
+        ("exploration", include_str!("../../../tasks/rules/exploration.yaml")),
+        ("training", include_str!("../../../tasks/rules/training.yaml")),
+    ];
+
+    fn from_file(rules: Self) -> Result<Self, Flaw> {
+        rules.check()?;
+        Ok(rules)
+    }
+}
+
+vb_files::document!(Rules);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -412,7 +336,7 @@ mod tests {
         let dev = Rules::resolve("dev").unwrap();
         assert_eq!(dev.rollover.unwrap().when, RollTime::AnyTime);
         for (name, _) in Rules::BUILTIN {
-            assert_eq!(Rules::resolve(name).unwrap().name, name);
+            assert_eq!(Rules::resolve(name).unwrap().name, *name);
         }
     }
 
@@ -420,15 +344,15 @@ mod tests {
     fn the_hash_follows_the_content_not_the_layout() {
         let text = Rules::BUILTIN[0].1;
         let spaced = format!("# another comment\n{}", text.replace("10.0", "10"));
-        assert_eq!(Rules::from_yaml("a", &spaced).unwrap().hash(), Rules::paper().hash());
-        let other = Rules::from_yaml("a", &text.replace("60.0", "61.0")).unwrap();
+        assert_eq!(Rules::parse(&spaced, "a").unwrap().hash(), Rules::paper().hash());
+        let other = Rules::parse(&text.replace("60.0", "61.0"), "a").unwrap();
         assert_ne!(other.hash(), Rules::paper().hash());
     }
 
     #[test]
     fn a_start_on_the_ground_is_the_default_and_a_drop_is_another_profile() {
         let text = Rules::BUILTIN[0].1;
-        let with = |start: &str| Rules::from_yaml("a", &format!("{text}\nstart: {start}\n"));
+        let with = |start: &str| Rules::parse(&format!("{text}\nstart: {start}\n"), "a");
         assert_eq!(with("settled").unwrap().hash(), Rules::paper().hash());
         let dropped = with("{dropped: {height_m: 0.5}}").unwrap();
         assert_eq!(dropped.start, StartRule::Dropped { height_m: 0.5, raster_stretch: 1.0 });
@@ -441,7 +365,7 @@ mod tests {
     }
 
     fn error(change: fn(&str) -> String) -> String {
-        let e = Rules::from_yaml("my.yaml", &change(Rules::BUILTIN[0].1)).unwrap_err().to_string();
+        let e = Rules::parse(&change(Rules::BUILTIN[0].1), "my.yaml").unwrap_err().to_string();
         assert!(e.starts_with("my.yaml: ") && !e.contains('\n'), "{e}");
         e
     }
@@ -461,7 +385,7 @@ mod tests {
         let e = error(|t| t.replace("time_limit_s: 60.0", ""));
         assert!(e.contains("time_limit_s"), "{e}");
         let e = error(|t| t.replace("schema: 1", "schema: 2"));
-        assert!(e.contains("schema: 2"), "{e}");
+        assert!(e.contains("schema: ") && e.contains("version 2 is not supported"), "{e}");
         let e = error(|t| t.replace("roll_limit_deg: 30.0", "roll_limit_deg: 300"));
         assert!(e.contains("rollover.roll_limit_deg: 300"), "{e}");
         let e = error(|_| "a: [1".into());

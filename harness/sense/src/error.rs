@@ -5,16 +5,6 @@ use vb_sdk::metadata::Sensor;
 /// The reason why a planner can't perceive by a profile. Every message is one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SenseError {
-    #[error("{file}: {problem}")]
-    Unreadable { file: String, problem: String },
-    #[error("{file}: {field}: {problem}")]
-    Flaw {
-        file: String,
-        /// The field, e.g. `lidar.max_range_m`.
-        field: String,
-        /// The value, and what would be right.
-        problem: String,
-    },
     #[error("the planner needs {}, which the perception profile {profile} doesn't offer; it offers {offered}", sensor.name())]
     NotOffered { profile: String, sensor: Sensor, offered: String },
     /// A planner asks for a sensor more often than the profile has it, or at a rate that the samples of a trial don't allow.

@@ -1,21 +1,13 @@
 //! The errors of setting up or advancing a simulation.
 
-use std::path::PathBuf;
+use vb_files::DocumentError;
 
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
+    /// The vehicle can't be used.
     #[error(transparent)]
-    Vehicle(#[from] vb_vehicle::VehicleError),
-    #[error("{}: {reason}", path.display())]
-    SoilsUnreadable { path: PathBuf, reason: String },
-    #[error("{file}: {field}: {reason}")]
-    SoilsInvalid {
-        file: String,
-        /// The path of the field in the file, e.g. `soils.snow.n`.
-        field: String,
-        reason: String,
-    },
+    Vehicle(#[from] DocumentError),
     #[error("world {world} has {class}, for which the soil set {set} has no soil")]
     NoSoil { world: String, class: &'static str, set: String },
     /// The vehicle's state became one that no vehicle can have: a fault of the simulator, not of the planner.

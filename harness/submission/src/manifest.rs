@@ -128,7 +128,7 @@ impl Manifest {
     pub fn rules(&self) -> Result<Rules, String> {
         // JSON is YAML; this way every value is checked.
         let text = self.run.rules.profile.to_string();
-        Rules::from_yaml("run.rules.profile", &text).map_err(|e| e.to_string())
+        Rules::parse(&text, "run.rules.profile").map_err(|e| e.to_string())
     }
 
     /// The limits of the run. Missing ones have their defaults.

@@ -8,4 +8,4 @@ mod name;
 mod spec;
 
 pub use layout::{Layout, RunState};
-pub use spec::{PlannedRun, Spec, SweepError};
+pub use spec::{PlannedRun, Spec};

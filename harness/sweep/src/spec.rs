@@ -4,20 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_record::TraceMode;
 
 use crate::name::safe;
 
-const SCHEMA: u32 = 1;
 /// The most runs of a sweep.
 const MOST: usize = 100_000;
-
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{file}: {problem}")]
-pub struct SweepError {
-    pub file: String,
-    pub problem: String,
-}
 
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +46,8 @@ pub struct PlannedRun {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    schema: u32,
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     name: String,
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
@@ -127,24 +121,24 @@ fn zero() -> Vec<u64> {
     vec![0]
 }
 
+impl Document for File {
+    type File = Self;
+    const KIND: &'static str = "sweep";
+    const FIELDS: &'static str = "docs/scale.md";
+
+    fn from_file(file: Self) -> Result<Self, Flaw> {
+        Ok(file)
+    }
+}
+
 impl Spec {
     /// Reads a sweep from a file. Files that it names by a path are looked for beside it.
-    pub fn read(path: &Path) -> Result<Self, SweepError> {
-        let file = path.display().to_string();
-        let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| SweepError {
-            file: file.clone(),
-            problem: format!("cannot read the sweep: {e} (give a YAML file)"),
-        })?;
-        Self::from_yaml(&file, &text, path.parent().unwrap_or(Path::new("")))
+    pub fn load(path: &Path) -> Result<Self, DocumentError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::of(File::load(path)?, folder).map_err(|flaw| flaw.of(File::KIND, path.display().to_string()))
     }
 
-    /// Reads a sweep from YAML; `file` is what errors call it, and `folder` where the files lie that it names by a path.
-    pub fn from_yaml(file: &str, text: &str, folder: &Path) -> Result<Self, SweepError> {
-        let flaw = |problem: String| SweepError { file: file.to_owned(), problem };
-        let read: File = vb_world::yaml::parse(text).map_err(|e| flaw(e.to_string()))?;
-        if read.schema != SCHEMA {
-            return Err(flaw(format!("schema: {} must be {SCHEMA}", read.schema)));
-        }
+    fn of(read: File, folder: &Path) -> Result<Self, Flaw> {
         let lists = [
             ("planners", read.planners.len()),
             ("vehicles", read.vehicles.len()),
@@ -152,17 +146,20 @@ impl Spec {
             ("seeds", read.seeds.len()),
         ];
         if let Some((field, _)) = lists.iter().find(|(_, n)| *n == 0) {
-            return Err(flaw(format!("{field}: the list is empty (leave it out, or name something)")));
+            return Err(Flaw::new(*field, "the list is empty (leave it out, or name something)"));
         }
         let mut variants = Vec::new();
         for (k, planner) in read.planners.iter().enumerate() {
-            variants.extend(planner.variants(folder).map_err(|p| flaw(format!("planners[{k}].{p}")))?);
+            variants.extend(planner.variants(folder).map_err(|flaw| flaw.within(&format!("planners[{k}]")))?);
         }
         let count = [variants.len(), read.vehicles.len(), read.perceptions.len(), read.seeds.len()]
             .into_iter()
             .try_fold(1usize, usize::checked_mul);
         if count.is_none_or(|n| n > MOST) {
-            return Err(flaw(format!("planners: the sweep has more than {MOST} runs (make several of it)")));
+            return Err(Flaw::new(
+                "planners",
+                format!("the sweep has more than {MOST} runs (make several of it)"),
+            ));
         }
         let mut runs = Vec::new();
         for variant in &variants {
@@ -176,11 +173,9 @@ impl Spec {
         }
         let mut names = BTreeSet::new();
         if let Some(twice) = runs.iter().find(|r| !names.insert(r.name.as_str())) {
-            let problem = format!(
-                "planners: two runs are called {} (give one of the planners another name)",
-                twice.name
-            );
-            return Err(flaw(problem));
+            let problem =
+                format!("two runs are called {} (give one of the planners another name)", twice.name);
+            return Err(Flaw::new("planners", problem));
         }
         let suite = read.suite.map(|s| beside(folder, &s));
         Ok(Self {
@@ -208,12 +203,12 @@ struct Variant {
 }
 
 impl Planner {
-    fn variants(&self, folder: &Path) -> Result<Vec<Variant>, String> {
+    fn variants(&self, folder: &Path) -> Result<Vec<Variant>, Flaw> {
         let plugin = beside(folder, &self.plugin);
         let stem = Path::new(&self.plugin).file_stem().map(|s| s.to_string_lossy().into_owned());
         let own = match self.name.clone().or(stem) {
             Some(name) if !name.is_empty() => name,
-            _ => return Err(format!("plugin: {:?} is no file and no command", self.plugin)),
+            _ => return Err(Flaw::new("plugin", format!("{:?} is no file and no command", self.plugin))),
         };
         let mut combinations = vec![BTreeMap::new()];
         for (key, values) in &self.params {
@@ -222,12 +217,11 @@ impl Planner {
                 Values::Many(values) => values.iter().map(Value::text).collect(),
             };
             if values.is_empty() {
-                return Err(format!("params.{key}: the list is empty (name a value)"));
+                return Err(Flaw::new(format!("params.{key}"), "the list is empty (name a value)"));
             }
             if values.len().saturating_mul(combinations.len()) > MOST {
-                return Err(format!(
-                    "params.{key}: the sweep has more than {MOST} runs (make several of it)"
-                ));
+                let problem = format!("the sweep has more than {MOST} runs (make several of it)");
+                return Err(Flaw::new(format!("params.{key}"), problem));
             }
             let with = |known: &BTreeMap<String, String>| {
                 let mut all = Vec::new();
@@ -279,7 +273,8 @@ mod tests {
 
     fn spec(text: &str) -> Result<Spec, String> {
         let text = format!("schema: 1\nname: mine\n{text}");
-        Spec::from_yaml("mine.yaml", &text, Path::new("/nowhere")).map_err(|e| e.to_string())
+        let file = File::parse(&text, "mine.yaml").map_err(|e| e.to_string())?;
+        Spec::of(file, Path::new("/nowhere")).map_err(|e| e.to_string())
     }
 
     fn names(text: &str) -> Vec<String> {
@@ -340,10 +335,10 @@ mod tests {
             format!("vehicles: [{}]\n", (0..101).map(|n| format!("v{n}")).collect::<Vec<_>>().join(", "));
         assert!(told(&format!("{many}{vehicles}")).contains("more than 100000 runs"));
         assert!(
-            Spec::read(Path::new("nowhere.yaml"))
+            Spec::load(Path::new("nowhere.yaml"))
                 .unwrap_err()
                 .to_string()
-                .contains("nowhere.yaml: cannot read the sweep")
+                .contains("cannot read sweep nowhere.yaml: ")
         );
     }
 
@@ -353,7 +348,7 @@ mod tests {
         let plugin = dir.path().join("mine.wasm");
         std::fs::write(&plugin, "").unwrap();
         let text = "schema: 1\nname: mine\nplanners: [{plugin: mine.wasm}, {plugin: pid.wasm}]\n";
-        let spec = Spec::from_yaml("x", text, dir.path()).unwrap();
+        let spec = Spec::of(File::parse(text, "x").unwrap(), dir.path()).unwrap();
         let plugins: Vec<&str> = spec.runs().iter().map(|r| r.plugin.as_str()).collect();
         assert_eq!(plugins, [plugin.to_str().unwrap(), "pid.wasm"]);
     }

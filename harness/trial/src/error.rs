@@ -1,15 +1,16 @@
 //! The reasons why a trial can't start.
 
+use vb_files::DocumentError;
 use vb_sense::SenseError;
 use vb_sim::SimError;
-use vb_vehicle::{SCALES, VehicleError};
+use vb_vehicle::SCALES;
 
 /// An error of a trial's setting. What goes wrong during a trial is not such an error but its outcome.
 #[derive(Debug, thiserror::Error)]
 pub enum TrialError {
     /// The vehicle can't be used.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
+    Vehicle(#[from] DocumentError),
     /// The vehicle can't be simulated.
     #[error(transparent)]
     Simulation(#[from] SimError),

@@ -35,7 +35,7 @@ fn drive(rules: &str, step: f64, goal: f64, command: Command) -> TaskRecord {
     let vehicle = Vehicle { spec, hash: String::new() };
     let set = SoilSet::load(std::path::Path::new("../../tasks/soils/default.yaml")).unwrap();
     let soils = Soils { set, hash: String::new(), resolution: 0.1 };
-    let rules = Rules::from_yaml("rules", rules).unwrap();
+    let rules = Rules::parse(rules, "rules").unwrap();
     let setting = Setting::new(&vehicle, &soils, &rules, &Profile::oracle(), step, 1.0, 0).unwrap();
     let ground = Heightfield::new(81, 81, 1.0, vec![0.0; 81 * 81]);
     let world = World::uniform("scene", ground, TerrainClass::Gravel, 0.8);

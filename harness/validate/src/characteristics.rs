@@ -514,7 +514,7 @@ powertrain:
             text = text.replace(from, to);
         }
         // Without the checks of files: nothing steers it.
-        vb_world::yaml::parse(&text).unwrap()
+        vb_files::yaml::parse(&text).unwrap()
     }
 
     fn of(spec: &VehicleSpec) -> Characteristics {

@@ -2,20 +2,14 @@
 
 use std::path::PathBuf;
 
+use vb_files::DocumentError;
+
 /// An error of a validation. A check that fails is none: it is a result.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidateError {
-    #[error("{}: {reason}", path.display())]
-    ReferencesUnreadable { path: PathBuf, reason: String },
-    #[error("{file}: {field}: {reason}")]
-    ReferencesInvalid {
-        file: String,
-        /// Path of the field, e.g. `events.braking[2].value`.
-        field: String,
-        reason: String,
-    },
+    /// The vehicle or its references can't be used.
     #[error(transparent)]
-    Vehicle(#[from] vb_vehicle::VehicleError),
+    Document(#[from] DocumentError),
     #[error(transparent)]
     Simulation(#[from] vb_sim::SimError),
     #[error("there is no event {name} (one of: {known})")]

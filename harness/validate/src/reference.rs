@@ -1,12 +1,12 @@
 //! Reference figures and curves of one vehicle, as data.
 
 use crate::check::{Expectation, Expected, Kind};
-use crate::error::ValidateError;
 use crate::events::{event, events};
 use crate::setup::{self, Setup};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_vehicle::VehicleSpec;
 
 /// What is known of one vehicle beside theory. The file format is `tasks/validation/*.yaml`; see there for an example.
@@ -39,7 +39,8 @@ pub struct Curve {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    schema: u32,
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     vehicle: String,
     #[serde(default)]
     setups: BTreeMap<Kind, setup::Entry>,
@@ -62,9 +63,19 @@ struct Entry {
     unsound: Option<String>,
 }
 
+impl Document for File {
+    type File = Self;
+    const KIND: &'static str = "references";
+    const FIELDS: &'static str = "docs/validation.md";
+
+    fn from_file(file: Self) -> Result<Self, Flaw> {
+        Ok(file)
+    }
+}
+
 impl Entry {
     /// What is expected, or the field that is at fault and why.
-    fn expected(&self) -> Result<Expected, (&'static str, String)> {
+    fn expected(&self) -> Result<Expected, Flaw> {
         let fields = [
             ("value", self.value),
             ("fraction", self.fraction),
@@ -74,12 +85,12 @@ impl Entry {
         ];
         for (name, value) in fields {
             if let Some(v) = value.filter(|v| !v.is_finite()) {
-                return Err((name, format!("{v} is not a number to compare with")));
+                return Err(Flaw::new(name, format!("{v} is not a number to compare with")));
             }
         }
         for (name, value) in [("fraction", self.fraction), ("tolerance", self.tolerance)] {
             if let Some(v) = value.filter(|v| *v <= 0.0) {
-                return Err((name, format!("{v} must be positive")));
+                return Err(Flaw::must_be(name, v, "positive"));
             }
         }
         match (self.value, self.fraction, self.tolerance, self.at_least, self.at_most) {
@@ -89,12 +100,11 @@ impl Entry {
             (None, None, None, None, Some(high)) => Ok(Expected::AtMost(high)),
             (None, None, None, Some(low), Some(high)) if low <= high => Ok(Expected::Between(low, high)),
             (None, None, None, Some(low), Some(high)) => {
-                Err(("at_least", format!("{low} is greater than at_most, {high}")))
+                Err(Flaw::new("at_least", format!("{low} is greater than at_most, {high}")))
             }
-            _ => Err((
+            _ => Err(Flaw::new(
                 "value",
-                "give value with fraction or tolerance, or at_least, or at_most, or at_least and at_most"
-                    .to_owned(),
+                "give value with fraction or tolerance, or at_least, or at_most, or at_least and at_most",
             )),
         }
     }
@@ -104,62 +114,50 @@ impl References {
     /// Reads a file and checks that it is for this vehicle, which is given as its own file has it.
     ///
     /// # Errors
-    /// [`ValidateError::ReferencesUnreadable`] or [`ValidateError::ReferencesInvalid`], which name file and field.
-    pub fn load(path: &Path, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
-        let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| {
-            ValidateError::ReferencesUnreadable { path: path.to_owned(), reason: e.to_string() }
-        })?;
-        Self::parse(&text, &path.display().to_string(), vehicle)
+    /// Returns an error if the file can't be read, isn't for this vehicle, or has an invalid field.
+    pub fn load(path: &Path, vehicle: &VehicleSpec) -> Result<Self, DocumentError> {
+        let file = path.display().to_string();
+        Self::of(File::load(path)?, vehicle).map_err(|flaw| flaw.of(File::KIND, file))
     }
 
     /// Parses the text of a file; `file` names it in messages.
-    pub fn parse(text: &str, file: &str, vehicle: &VehicleSpec) -> Result<Self, ValidateError> {
-        let invalid = |field: String, reason: String| ValidateError::ReferencesInvalid {
-            file: file.to_owned(),
-            field,
-            reason,
-        };
-        let read: File = vb_world::yaml::parse(text).map_err(|e| invalid(e.field, e.problem))?;
-        if read.schema != 1 {
-            return Err(invalid(
-                "schema".to_owned(),
-                format!("{} is unknown; this version reads 1", read.schema),
-            ));
-        }
+    pub fn parse(text: &str, file: &str, vehicle: &VehicleSpec) -> Result<Self, DocumentError> {
+        Self::of(File::parse(text, file)?, vehicle).map_err(|flaw| flaw.of(File::KIND, file))
+    }
+
+    fn of(read: File, vehicle: &VehicleSpec) -> Result<Self, Flaw> {
         if read.vehicle != vehicle.name {
-            let reason = format!("{:?} is not the vehicle under test, {:?}", read.vehicle, vehicle.name);
-            return Err(invalid("vehicle".to_owned(), reason));
+            let problem = format!("{:?} is not the vehicle under test, {:?}", read.vehicle, vehicle.name);
+            return Err(Flaw::new("vehicle", problem));
         }
         let mut expectations = BTreeMap::new();
         for (name, entries) in read.events {
-            event(&name).map_err(|e| invalid(format!("events.{name}"), e.to_string()))?;
+            let at = format!("events.{name}");
+            event(&name).map_err(|e| Flaw::new(at.as_str(), e.to_string()))?;
             let mut list = Vec::new();
             for (i, e) in entries.into_iter().enumerate() {
-                let expected = e
-                    .expected()
-                    .map_err(|(field, reason)| invalid(format!("events.{name}[{i}].{field}"), reason))?;
+                let expected = e.expected().map_err(|flaw| flaw.within(&format!("{at}[{i}]")))?;
                 let Entry { figure, kind, source, unsound, .. } = e;
                 list.push(Expectation { figure, expected, kind, source, unsound });
             }
             expectations.insert(name, list);
         }
         for (i, curve) in read.curves.iter().enumerate() {
-            event(&curve.event).map_err(|e| invalid(format!("curves[{i}].event"), e.to_string()))?;
+            event(&curve.event).map_err(|e| Flaw::new(format!("curves[{i}].event"), e.to_string()))?;
             if let Some(p) = curve.points.iter().flatten().find(|v| !v.is_finite()) {
-                return Err(invalid(format!("curves[{i}].points"), format!("{p} is not a number to draw")));
+                return Err(Flaw::new(format!("curves[{i}].points"), format!("{p} is not a number to draw")));
             }
         }
         let mut references = Self { expectations, curves: read.curves, setups: BTreeMap::new() };
         for (kind, entry) in read.setups {
             let at = format!("setups.{}", kind.name());
-            if let Some(reason) = setup::refused(kind) {
-                return Err(invalid(at, reason));
+            if let Some(problem) = setup::refused(kind) {
+                return Err(Flaw::new(at, problem));
             }
             if !events().iter().any(|e| references.concern(e.name, kind)) {
-                return Err(invalid(at, "there is no figure and no curve of this kind".to_owned()));
+                return Err(Flaw::new(at, "there is no figure and no curve of this kind"));
             }
-            let setup =
-                entry.setup(vehicle).map_err(|(field, reason)| invalid(format!("{at}.{field}"), reason))?;
+            let setup = entry.setup(vehicle).map_err(|flaw| flaw.within(&at))?;
             references.setups.insert(kind, setup);
         }
         Ok(references)

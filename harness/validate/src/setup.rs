@@ -2,7 +2,8 @@
 
 use crate::check::Kind;
 use serde::Deserialize;
-use vb_vehicle::{VehicleError, VehicleSpec, powertrain::Differential};
+use vb_files::Flaw;
+use vb_vehicle::{VehicleSpec, powertrain::Differential};
 
 /// A vehicle in the set-up of a reference. It starts from the vehicle as its file has it, whatever tyre is put on for the
 /// test, since the reference's runs were made with one set-up.
@@ -32,13 +33,10 @@ pub(crate) struct Entry {
 
 impl Entry {
     /// The set-up of a vehicle, or the field that is at fault and why.
-    pub(crate) fn setup(self, vehicle: &VehicleSpec) -> Result<Setup, (String, String)> {
+    pub(crate) fn setup(self, vehicle: &VehicleSpec) -> Result<Setup, Flaw> {
         let mut soil = vehicle.clone();
         if let Some(name) = &self.tyre {
-            soil = soil.with_tyre(name).map_err(|e| match e {
-                VehicleError::Invalid { reason, .. } => ("tyre".to_owned(), reason),
-                other => ("tyre".to_owned(), other.to_string()),
-            })?;
+            soil = soil.with_tyre(name).map_err(|e| Flaw::new("tyre", e.problem))?;
         }
         if let Some(centre) = self.centre {
             soil.powertrain.driveline.centre = centre;
@@ -50,7 +48,7 @@ impl Entry {
         }
         if let Some(width) = self.soil_width {
             if !(width.is_finite() && width > 0.0) {
-                return Err(("soil_width".to_owned(), format!("{width} must be a positive number")));
+                return Err(Flaw::must_be("soil_width", width, "a positive number"));
             }
             soil.tyre.set_width(width);
             soil.axles.iter_mut().filter_map(|a| a.tyre.as_mut()).for_each(|t| t.set_width(width));
@@ -60,20 +58,20 @@ impl Entry {
 }
 
 /// Refuses a table of resistances that no vehicle file may have.
-fn resistance(table: &[[f64; 2]]) -> Result<(), (String, String)> {
+fn resistance(table: &[[f64; 2]]) -> Result<(), Flaw> {
     if table.is_empty() {
-        return Err(("resistance".to_owned(), "needs at least one point [speed, force]".to_owned()));
+        return Err(Flaw::new("resistance", "needs at least one point [speed, force]"));
     }
     for (i, point) in table.iter().enumerate() {
         for (k, value) in point.iter().enumerate() {
             if !(value.is_finite() && *value >= 0.0) {
-                let reason = format!("{value} must be zero or a positive number");
-                return Err((format!("resistance[{i}][{k}]"), reason));
+                let field = format!("resistance[{i}][{k}]");
+                return Err(Flaw::must_be(field, value, "zero or a positive number"));
             }
         }
         if i > 0 && point[0] <= table[i - 1][0] {
             let reason = format!("speeds must increase, but {} follows {}", point[0], table[i - 1][0]);
-            return Err((format!("resistance[{i}][0]"), reason));
+            return Err(Flaw::new(format!("resistance[{i}][0]"), reason));
         }
     }
     Ok(())
@@ -100,9 +98,9 @@ mod tests {
     }
 
     fn read(fields: &str) -> Result<Setup, String> {
-        let entry: Entry = vb_world::yaml::parse(&format!("{{about: a, {fields}}}"))
-            .map_err(|e| format!("{}: {}", e.field, e.problem))?;
-        entry.setup(&vehicle()).map_err(|(field, reason)| format!("{field}: {reason}"))
+        let entry: Entry =
+            vb_files::yaml::parse(&format!("{{about: a, {fields}}}")).map_err(|e| e.to_string())?;
+        entry.setup(&vehicle()).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -129,7 +127,7 @@ mod tests {
         assert!(setup.ground == vehicle() && setup.soil == vehicle());
         let mut wide = vehicle();
         wide.axles[1].tyre = Some(wide.tyre.clone());
-        let entry: Entry = vb_world::yaml::parse("{about: a, soil_width: 0.3}").unwrap();
+        let entry: Entry = vb_files::yaml::parse("{about: a, soil_width: 0.3}").unwrap();
         let setup = entry.setup(&wide).unwrap();
         assert_eq!(setup.soil.wheel_sizes(), [[0.467, 0.3]; 4], "axles with tyres of their own, too");
         assert!(setup.ground == wide);

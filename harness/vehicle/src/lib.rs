@@ -2,7 +2,7 @@
 //! solved once. Nothing here moves; `vb-sim` does that.
 //!
 //! - [`VehicleSpec`] is a file; its parts are in [`suspension`], [`tyre`], [`powertrain`] and [`tracks`].
-//! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`VehicleError`]).
+//! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`DocumentError`]).
 //! - [`VehicleModel`] is a vehicle with its linkages solved ([`kinematics`]): what simulations share.
 //!
 //! The body axes are x forward, y left, z up (ISO 8855). Units are SI, angles in radians.
@@ -11,7 +11,6 @@
 
 mod check;
 mod describe;
-mod error;
 pub mod kinematics;
 mod model;
 pub mod powertrain;
@@ -21,9 +20,9 @@ pub mod tracks;
 pub mod tyre;
 mod vehicle;
 
-pub use error::VehicleError;
 pub use model::{MAX_WHEELS, VehicleModel};
 pub use tyre::TyreSpec;
+pub use vb_files::DocumentError;
 pub use vehicle::{Axle, Chassis, Point, Vehicle, VehicleSpec};
 
 type V3 = nalgebra::Vector3<f64>;

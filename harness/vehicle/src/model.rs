@@ -1,6 +1,7 @@
 //! A vehicle that is made ready for simulations.
 
-use crate::VehicleError;
+use vb_files::{Document, DocumentError, Flaw};
+
 use crate::VehicleSpec;
 use crate::kinematics::AxleKinematics;
 
@@ -19,10 +20,11 @@ impl VehicleModel {
     /// Solves the linkages of a vehicle.
     ///
     /// # Errors
-    /// Returns [`VehicleError::Invalid`] for a vehicle with too many axles, or with a linkage that doesn't close.
-    pub fn new(spec: VehicleSpec) -> Result<Self, VehicleError> {
-        let invalid =
-            |field: String, reason: String| VehicleError::Invalid { file: spec.name.clone(), field, reason };
+    /// Returns an error for a vehicle with too many axles, or with a linkage that doesn't close.
+    pub fn new(spec: VehicleSpec) -> Result<Self, DocumentError> {
+        let invalid = |field: String, problem: String| {
+            Flaw::new(field, problem).of(VehicleSpec::KIND, spec.name.clone())
+        };
         if 2 * spec.axles.len() > MAX_WHEELS {
             return Err(invalid("axles".to_owned(), format!("more than {} axles", MAX_WHEELS / 2)));
         }

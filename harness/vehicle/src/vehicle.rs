@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-use crate::VehicleError;
 use crate::powertrain::Powertrain;
 use crate::suspension::{Steering, SteeringGear, Suspension};
 use crate::tracks::Tracks;
 use crate::tyre::TyreSpec;
+use vb_files::{Document as _, DocumentError, Flaw, Schema};
 
 /// A point in the chassis frame, or relative to an axle's reference point, in chassis axes, m.
 pub type Point = [f64; 3];
@@ -25,8 +25,8 @@ pub struct Vehicle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleSpec {
-    /// The version of this format, which is 1.
-    pub schema: u32,
+    /// Version of the format.
+    pub schema: Schema<1>,
     /// The short name of the vehicle.
     pub name: String,
     /// A description in one line, for people.
@@ -70,16 +70,16 @@ impl VehicleSpec {
     /// of the tyre that it has.
     ///
     /// # Errors
-    /// Returns [`VehicleError::Invalid`], which lists the names that there are, if the vehicle, or an axle with a tyre
+    /// Returns an error that lists the names that there are, if the vehicle, or an axle with a tyre
     /// of its own, has no tyre of this name.
-    pub fn with_tyre(mut self, name: &str) -> Result<Self, VehicleError> {
+    pub fn with_tyre(mut self, name: &str) -> Result<Self, DocumentError> {
         fn fit(
             file: &str,
             field: String,
             tyre: &mut TyreSpec,
             others: &BTreeMap<String, TyreSpec>,
             name: &str,
-        ) -> Result<(), VehicleError> {
+        ) -> Result<(), DocumentError> {
             if let Some(other) = others.get(name) {
                 *tyre = other.clone();
                 return Ok(());
@@ -91,7 +91,7 @@ impl VehicleSpec {
             known.push(tyre.model());
             known.sort_unstable();
             let reason = format!("{name:?} is not among them; choose one of {}", known.join(", "));
-            Err(VehicleError::Invalid { file: file.to_owned(), field, reason })
+            Err(Flaw::new(field, reason).of(VehicleSpec::KIND, file))
         }
         fit(&self.name, "tyres".to_owned(), &mut self.tyre, &self.tyres, name)?;
         for (i, axle) in self.axles.iter_mut().enumerate() {

@@ -18,7 +18,6 @@ mod semantics;
 mod shard;
 mod task;
 mod world;
-pub mod yaml;
 
 pub use check::{Flaw, Part};
 pub use format::{

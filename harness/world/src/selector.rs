@@ -1,12 +1,14 @@
 //! Choosing tasks of a suite by a short text.
 //!
-//! A selector is a list of items separated by commas; a task is chosen if any item chooses it. An item is a list of
-//! conditions separated by colons; all must hold. A condition is either worlds, optionally with tasks
-//! (`w001`, `w001-w010`, `w*`, `*`, each with `/t03`, `/t00-t04`, `/*`), or `key=value` with the keys `elevation`
-//! (low, medium, high), `terrain` (rigid, deformable, mixed) and `density` (sparse, medium, dense).
+//! A selector is a list of conditions separated by commas. A condition is either `key=value` with the keys `elevation`
+//! (low, medium, high), `terrain` (rigid, deformable, mixed) and `density` (sparse, medium, dense), or names worlds,
+//! optionally with tasks (`w001`, `w001-w010`, `w*`, `*`, each with `/t03`, `/t00-t04`, `/*`). All names together count as
+//! one key. A task is chosen if, of each key that occurs, any condition holds: conditions of one key are alternatives,
+//! different keys must hold together.
+
+use std::fmt;
 
 use crate::{Density, Elevation, Suite, Terrain, WorldInfo};
-use std::fmt;
 
 /// Names one task of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -23,23 +25,22 @@ impl fmt::Display for TaskRef {
     }
 }
 
-/// The reason why a selector cannot be used. Each message names the item and what there is.
+/// The reason why a selector cannot be used. Each message names the condition and what there is.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum SelectorError {
     /// The text is not a selector.
-    #[error("task selector: {item:?}: {problem}")]
+    #[error("task selector: {condition:?}: {problem}")]
     Syntax {
-        /// The item of the selector.
-        item: String,
-        /// The problem with the item.
+        /// The condition in the selector.
+        condition: String,
+        /// The problem with the condition.
         problem: String,
     },
-    /// An item names a world or task that the suite does not have.
-    #[error("task selector: {item:?}: no {kind} {name:?} in suite {suite:?}; there are {known}")]
+    /// A condition names a world or task that the suite does not have.
+    #[error("task selector: {condition:?}: no {kind} {name:?} in suite {suite:?}; there are {known}")]
     Unknown {
-        /// The item of the selector.
-        item: String,
+        /// The condition in the selector.
+        condition: String,
         /// The kind of what it names: `world` or `task`.
         kind: &'static str,
         /// The name that the suite does not have.
@@ -49,11 +50,11 @@ pub enum SelectorError {
         /// The names that there are.
         known: String,
     },
-    /// An item chooses no task.
-    #[error("task selector: {item:?} matches none of the {tasks} tasks of suite {suite:?}; it has {known}")]
+    /// A condition, or the whole selector, chooses no task.
+    #[error("task selector: {text:?} matches none of the {tasks} tasks of suite {suite:?}; it has {known}")]
     NoMatch {
-        /// The item of the selector.
-        item: String,
+        /// The condition, or the selector if each of its conditions chooses a task.
+        text: String,
         /// The number of tasks in the suite.
         tasks: usize,
         /// The name of the suite.
@@ -64,22 +65,24 @@ pub enum SelectorError {
 }
 
 /// How conditions are joined, for messages.
-const JOINED: &str = " (a colon joins conditions that must all hold, as in elevation=high:terrain=rigid, a comma alternatives)";
+const JOINED: &str = " (commas separate conditions: different keys must hold together, as in elevation=high,terrain=rigid; \
+                      values of one key are alternatives, as in elevation=low,elevation=medium)";
 
 /// A parsed selector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selector {
-    items: Vec<Item>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Item {
     text: String,
     conditions: Vec<Condition>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Condition {
+struct Condition {
+    text: String,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Kind {
     Elevation(Elevation),
     Terrain(Terrain),
     Density(Density),
@@ -96,12 +99,15 @@ enum Names {
     Range(String, String),
 }
 
+/// Whether each task of each world of a suite is chosen.
+type Chosen = Vec<Vec<bool>>;
+
 impl Default for Selector {
     /// Every task.
     fn default() -> Self {
         let all = || Names::Prefix(String::new());
-        let conditions = vec![Condition::Names { worlds: all(), tasks: all() }];
-        Self { items: vec![Item { text: "*".into(), conditions }] }
+        let kind = Kind::Names { worlds: all(), tasks: all() };
+        Self { text: "*".into(), conditions: vec![Condition { text: "*".into(), kind }] }
     }
 }
 
@@ -109,182 +115,157 @@ impl Selector {
     /// Parses a selector.
     ///
     /// # Errors
-    /// Returns an error if an item is empty or has an unknown key or value.
+    /// Returns an error if a condition is empty or has an unknown key or value.
     pub fn parse(text: &str) -> Result<Self, SelectorError> {
-        let items = text.split(',').map(|item| Item::parse(item.trim())).collect::<Result<_, _>>()?;
-        Ok(Self { items })
-    }
-
-    /// A sentence for users who may have meant both of two conditions where the selector takes either: it has items on different things,
-    /// of which one is a level. `chosen` is the number of tasks that it chooses, of `all`.
-    #[must_use]
-    pub fn note(&self, chosen: usize, all: usize) -> Option<String> {
-        let keys = |item: &Item| {
-            item.conditions.iter().map(Condition::key).collect::<std::collections::BTreeSet<_>>()
-        };
-        let levels = |item: &Item| item.conditions.iter().any(|c| c.key() != "worlds");
-        let (a, b) = self.items.iter().enumerate().find_map(|(k, a)| {
-            let other =
-                self.items[k + 1..].iter().find(|b| keys(b) != keys(a) && (levels(a) || levels(b)))?;
-            Some((a, other))
-        })?;
-        let items: Vec<&str> = self.items.iter().map(|item| item.text.as_str()).collect();
-        Some(format!(
-            "{chosen} of {all} tasks (any of {}; for both write {}:{})",
-            items.join(", "),
-            a.text,
-            b.text
-        ))
+        let conditions = text.split(',').map(|c| Condition::parse(c.trim())).collect::<Result<_, _>>()?;
+        Ok(Self { text: text.into(), conditions })
     }
 
     /// The tasks that the selector chooses, in the order of the suite, none twice.
     ///
     /// # Errors
-    /// Returns an error if an item names a world or task that the suite does not have, or chooses nothing.
+    /// Returns an error if a condition names a world or task that the suite does not have, and if a condition alone or all together
+    /// choose nothing.
     pub fn select(&self, suite: &Suite) -> Result<Vec<TaskRef>, SelectorError> {
-        let mut chosen: Vec<Vec<bool>> = suite.worlds().iter().map(|w| vec![false; w.tasks.len()]).collect();
-        for item in &self.items {
-            let mut any = false;
-            for (flags, tasks) in chosen.iter_mut().zip(item.matches(suite)?) {
-                for t in tasks {
-                    flags[t] = true;
-                    any = true;
-                }
-            }
-            if !any {
-                return Err(item.no_match(suite));
+        let mut by_key: [Option<Chosen>; Kind::KEYS] = [const { None }; Kind::KEYS];
+        for condition in &self.conditions {
+            let own = condition.matches(suite)?;
+            match &mut by_key[condition.kind.key()] {
+                None => by_key[condition.kind.key()] = Some(own),
+                Some(chosen) => combine(chosen, &own, |a, b| a || b),
             }
         }
-        let worlds = suite.worlds().iter().zip(chosen);
-        Ok(worlds
+        let keys = by_key.into_iter().flatten();
+        let chosen = keys.reduce(|mut all, key| {
+            combine(&mut all, &key, |a, b| a && b);
+            all
+        });
+        let worlds = suite.worlds().iter().zip(chosen.unwrap_or_default());
+        let tasks: Vec<TaskRef> = worlds
             .flat_map(|(w, flags)| {
                 let tasks = w.tasks.iter().zip(flags).filter(|(_, chosen)| *chosen);
                 tasks.map(|(t, _)| TaskRef { world: w.id.clone(), task: t.clone() })
             })
-            .collect())
+            .collect();
+        if tasks.is_empty() { Err(no_match(&self.text, suite)) } else { Ok(tasks) }
     }
 }
 
-impl Item {
+/// Combines two choices task by task.
+fn combine(chosen: &mut Chosen, other: &Chosen, how: impl Fn(bool, bool) -> bool) {
+    for (a, b) in chosen.iter_mut().flatten().zip(other.iter().flatten()) {
+        *a = how(*a, *b);
+    }
+}
+
+fn no_match(text: &str, suite: &Suite) -> SelectorError {
+    let w = suite.worlds();
+    let part = |key: &str, all: [&'static str; 3], has: &dyn Fn(&str) -> bool| {
+        let present: Vec<_> = all.into_iter().filter(|v| has(v)).collect();
+        format!("{key}={}", present.join("|"))
+    };
+    let known = [
+        part("elevation", Elevation::ALL.map(Elevation::name), &|v| {
+            w.iter().any(|i| i.elevation.name() == v)
+        }),
+        part("terrain", Terrain::ALL.map(Terrain::name), &|v| w.iter().any(|i| i.terrain.name() == v)),
+        part("density", Density::ALL.map(Density::name), &|v| w.iter().any(|i| i.density.name() == v)),
+    ];
+    SelectorError::NoMatch {
+        text: text.into(),
+        tasks: suite.task_count(),
+        suite: suite.meta().name.clone(),
+        known: known.join(", "),
+    }
+}
+
+impl Condition {
     fn parse(text: &str) -> Result<Self, SelectorError> {
-        let conditions =
-            text.split(':').map(|c| Condition::parse(text, c.trim())).collect::<Result<_, _>>()?;
-        Ok(Self { text: text.into(), conditions })
-    }
-
-    /// Indices of the chosen tasks of each world.
-    fn matches(&self, suite: &Suite) -> Result<Vec<Vec<usize>>, SelectorError> {
-        let mut sets: Vec<Vec<usize>> = suite.worlds().iter().map(|w| (0..w.tasks.len()).collect()).collect();
-        for condition in &self.conditions {
-            let keep = |w: &WorldInfo| match condition {
-                Condition::Elevation(v) => w.elevation == *v,
-                Condition::Terrain(v) => w.terrain == *v,
-                Condition::Density(v) => w.density == *v,
-                Condition::Names { .. } => true,
-            };
-            for (set, w) in sets.iter_mut().zip(suite.worlds()) {
-                if !keep(w) {
-                    set.clear();
-                }
-            }
-            if let Condition::Names { worlds, tasks } = condition {
-                self.keep_names(suite, worlds, tasks, &mut sets)?;
-            }
+        let syntax = |problem: String| SelectorError::Syntax { condition: text.into(), problem };
+        if text.contains(':') {
+            return Err(syntax(format!(
+                "write {:?}, with commas instead of colons{JOINED}",
+                text.replace(':', ",")
+            )));
         }
-        Ok(sets)
+        Ok(Self { text: text.into(), kind: Kind::parse(text).map_err(syntax)? })
     }
 
-    fn keep_names(
-        &self,
-        suite: &Suite,
-        worlds: &Names,
-        tasks: &Names,
-        sets: &mut [Vec<usize>],
-    ) -> Result<(), SelectorError> {
+    /// The tasks for which the condition holds.
+    fn matches(&self, suite: &Suite) -> Result<Chosen, SelectorError> {
+        let all = |keep: &dyn Fn(&WorldInfo) -> bool| {
+            suite.worlds().iter().map(|w| vec![keep(w); w.tasks.len()]).collect::<Chosen>()
+        };
+        let chosen = match &self.kind {
+            Kind::Elevation(v) => all(&|w| w.elevation == *v),
+            Kind::Terrain(v) => all(&|w| w.terrain == *v),
+            Kind::Density(v) => all(&|w| w.density == *v),
+            Kind::Names { worlds, tasks } => self.named(suite, worlds, tasks)?,
+        };
+        if chosen.iter().flatten().any(|c| *c) { Ok(chosen) } else { Err(no_match(&self.text, suite)) }
+    }
+
+    /// The tasks of these names in the worlds of these names.
+    fn named(&self, suite: &Suite, worlds: &Names, tasks: &Names) -> Result<Chosen, SelectorError> {
         let ids: Vec<_> = suite.worlds().iter().map(|w| w.id.as_str()).collect();
         let unknown = |kind, name: String, known: &[&str]| SelectorError::Unknown {
-            item: self.text.clone(),
+            condition: self.text.clone(),
             kind,
             name,
             suite: suite.meta().name.clone(),
             known: crate::format::list(known),
         };
         let named = worlds.find(&ids).map_err(|name| unknown("world", name, &ids))?;
+        let mut chosen: Chosen = suite.worlds().iter().map(|w| vec![false; w.tasks.len()]).collect();
         let mut missing = None;
         let mut found = false;
-        for (k, (set, w)) in sets.iter_mut().zip(suite.worlds()).enumerate() {
-            if !named.contains(&k) {
-                set.clear();
-                continue;
-            }
-            let ids: Vec<_> = w.tasks.iter().map(String::as_str).collect();
+        for k in named {
+            let ids: Vec<_> = suite.worlds()[k].tasks.iter().map(String::as_str).collect();
             // Of several worlds some may lack the task; it must exist in one.
             match tasks.find(&ids) {
                 Ok(these) => {
-                    set.retain(|t| these.contains(t));
+                    these.into_iter().for_each(|t| chosen[k][t] = true);
                     found = true;
                 }
                 Err(name) => {
-                    set.clear();
                     missing.get_or_insert_with(|| unknown("task", name, &ids));
                 }
             }
         }
         match missing {
             Some(error) if !found => Err(error),
-            _ => Ok(()),
-        }
-    }
-
-    fn no_match(&self, suite: &Suite) -> SelectorError {
-        let w = suite.worlds();
-        let part = |key: &str, all: [&'static str; 3], has: &dyn Fn(&str) -> bool| {
-            let present: Vec<_> = all.into_iter().filter(|v| has(v)).collect();
-            format!("{key}={}", present.join("|"))
-        };
-        let known = [
-            part("elevation", Elevation::ALL.map(Elevation::name), &|v| {
-                w.iter().any(|i| i.elevation.name() == v)
-            }),
-            part("terrain", Terrain::ALL.map(Terrain::name), &|v| w.iter().any(|i| i.terrain.name() == v)),
-            part("density", Density::ALL.map(Density::name), &|v| w.iter().any(|i| i.density.name() == v)),
-        ];
-        SelectorError::NoMatch {
-            item: self.text.clone(),
-            tasks: suite.task_count(),
-            suite: suite.meta().name.clone(),
-            known: known.join(", "),
+            _ => Ok(chosen),
         }
     }
 }
 
-impl Condition {
-    /// What it is about.
-    fn key(&self) -> &'static str {
+impl Kind {
+    /// The number of keys.
+    const KEYS: usize = 4;
+
+    /// The index of the key; all names are of one key.
+    fn key(&self) -> usize {
         match self {
-            Self::Elevation(_) => "elevation",
-            Self::Terrain(_) => "terrain",
-            Self::Density(_) => "density",
-            Self::Names { .. } => "worlds",
+            Self::Elevation(_) => 0,
+            Self::Terrain(_) => 1,
+            Self::Density(_) => 2,
+            Self::Names { .. } => 3,
         }
     }
 
-    fn parse(item: &str, text: &str) -> Result<Self, SelectorError> {
-        let syntax = |problem: String| SelectorError::Syntax { item: item.into(), problem };
+    /// Parses a condition; an error is the problem with it.
+    fn parse(text: &str) -> Result<Self, String> {
         let Some((key, value)) = text.split_once('=') else {
             let (worlds, tasks) = text.split_once('/').unwrap_or((text, "*"));
             let names = |text: &str| {
                 Names::parse(text).ok_or_else(|| {
-                    syntax(format!(
-                        "{text:?} names nothing: write w001, w001-w010, w001/t03, w*/t00 or elevation=high{JOINED}"
-                    ))
+                    format!("{text:?} names nothing: write w001, w001-w010, w001/t03, w*/t00 or elevation=high{JOINED}")
                 })
             };
             return Ok(Self::Names { worlds: names(worlds)?, tasks: names(tasks)? });
         };
         let (key, value) = (key.trim(), value.trim());
-        let unknown =
-            |all: [&str; 3]| syntax(format!("{value:?} is no {key}: use {}{JOINED}", all.join(", ")));
+        let unknown = |all: [&str; 3]| format!("{value:?} is no {key}: use {}{JOINED}", all.join(", "));
         match key {
             "elevation" => Elevation::ALL
                 .into_iter()
@@ -301,7 +282,7 @@ impl Condition {
                 .find(|v| v.name() == value)
                 .map(Self::Density)
                 .ok_or_else(|| unknown(Density::ALL.map(Density::name))),
-            _ => Err(syntax(format!("{key:?} is no key: use elevation, terrain or density{JOINED}"))),
+            _ => Err(format!("{key:?} is no key: use elevation, terrain or density{JOINED}")),
         }
     }
 }

@@ -38,7 +38,6 @@ pub struct Target {
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 
-/// All targets.
 pub const TARGETS: &[Target] = &[
     Target { name: "plugin", run: plugin::run, seeds: plugin::seeds },
     Target { name: "suite", run: suite::run, seeds: suite::seeds },
@@ -71,11 +70,11 @@ fn settings(data: &[u8]) {
     let Some((&kind, text)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(text) else { return };
     match kind % 5 {
-        0 => drop(Rules::from_yaml("rules.yaml", text)),
+        0 => drop(Rules::parse(text, "rules.yaml")),
         1 => drop(VehicleSpec::parse(text, "vehicle.yaml")),
         2 => drop(SoilSet::parse(text, "soils.yaml")),
-        3 => drop(SiteParams::parse(text)),
-        _ => drop(GeneratorParams::parse(text)),
+        3 => drop(SiteParams::parse(text, "site.yaml")),
+        _ => drop(GeneratorParams::parse(text, "rules.yaml")),
     }
 }
 

@@ -5,9 +5,9 @@ use vb_host::Limits;
 /// Reads a file as the harness does. Limits that are accepted can be written down and read again.
 pub(crate) fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    let Ok(limits) = vb_world::yaml::parse::<Limits>(text) else { return };
+    let Ok(limits) = vb_files::yaml::parse::<Limits>(text) else { return };
     if limits.validate().is_ok() {
-        assert_eq!(vb_world::yaml::parse::<Limits>(&written(&limits)).as_ref(), Ok(&limits));
+        assert_eq!(vb_files::yaml::parse::<Limits>(&written(&limits)).as_ref(), Ok(&limits));
     }
 }
 
@@ -37,7 +37,7 @@ mod tests {
     fn the_seeds_are_limits_that_can_be_kept() {
         for seed in seeds() {
             let text = String::from_utf8(seed).expect("text");
-            let limits: Limits = vb_world::yaml::parse(&text).expect("limits");
+            let limits: Limits = vb_files::yaml::parse(&text).expect("limits");
             limits.validate().expect("limits that can be kept");
             assert_ne!(limits, Limits::default());
         }

@@ -30,7 +30,6 @@ pub(crate) fn series(data: &[u8]) {
     });
 }
 
-/// A trace.
 pub(crate) fn trace(data: &[u8]) {
     read(data, |path| {
         if let Ok(trace) = Trace::read(path) {

@@ -338,7 +338,7 @@ fn what_the_command_line_names_must_exist() {
     let bench = Bench::new();
     let pid = pid();
     let pid = text(&pid);
-    let cases: [(&[&str], i32, &[&str]); 23] = [
+    let cases: [(&[&str], i32, &[&str]); 24] = [
         (&["--tasks", "w999"], USAGE, &["w999", "w001"]),
         (&["--tasks", "w001/t77"], USAGE, &["w001/t77", "t00"]),
         (&["--tasks", "w001-w999"], USAGE, &["w999"]),
@@ -354,20 +354,22 @@ fn what_the_command_line_names_must_exist() {
         (&["--jobs", "0"], USAGE, &["0", "--jobs"]),
         (&["--seed", "many"], USAGE, &["many", "--seed"]),
         (&["--memory", "lots"], USAGE, &["lots", "256M"]),
-        (&["--resume"], USAGE, &["--out"]),
         (&["--sped", "5"], USAGE, &["--sped"]),
         (&["--suite", "nowhere"], BAD_INPUT, &["nowhere", "smoke, testbed, vb-100"]),
         (&["--rules", "papper"], BAD_INPUT, &["papper", "paper, release, dev"]),
         (&["--vehicle", "bicycle"], BAD_INPUT, &["bicycle", "hmmwv"]),
         (&["--soils", "slush"], BAD_INPUT, &["slush", "default, original, wong"]),
         (&["--soil-resolution", "5"], USAGE, &["--soil-resolution", "0.01 to 0.5"]),
-        (&["--time-step", "3"], USAGE, &["--time-step", "divide 10"]),
+        (&["--time-step", "3ms"], USAGE, &["--time-step", "divides 10ms", "seconds"]),
+        (&["--time-step", "1"], USAGE, &["--time-step", "divides 10ms"]),
+        (&["--tasks", "elevation=high:terrain=rigid"], USAGE, &["elevation=high,terrain=rigid"]),
     ];
     for (args, code, says) in cases {
         not_started(&bench, &[&["--plugin", pid][..], args].concat(), code, says);
     }
-    let others: [(&[&str], i32, &[&str]); 8] = [
-        (&[], USAGE, &["--plugin"]),
+    let others: [(&[&str], i32, &[&str]); 9] = [
+        (&[], USAGE, &["run pid.wasm"]),
+        (&["run"], USAGE, &["one planner", "--plugin"]),
         (&["--plugin"], USAGE, &["--plugin"]),
         (&["drive"], USAGE, &["drive"]),
         (&["score"], USAGE, &["RUN"]),
@@ -502,11 +504,8 @@ fn an_output_directory_that_can_not_be_used_is_named_with_what_to_do() {
     let bench = Bench::new();
     let pid = pid();
     bench.write("taken/notes.txt", "mine");
-    // There is nothing to be gone on with: the recorded run is what is wrong, as for all other commands.
-    for out in ["taken", "gone"] {
-        let resume = ["--plugin", text(&pid), "--out", out, "--resume"];
-        refused(&bench, &resume, BAD_INPUT, &[out, "run.json"]);
-    }
+    // There is no run to be resumed, and none is begun among other files.
+    refused(&bench, &["run", text(&pid), "--out", "taken", "--resume"], OUTPUT, &["taken", "not empty"]);
     let cases: [(&str, &[&str], &[&str]); 4] = [
         ("taken", &[], &["taken", "not empty", "--out", "--resume"]),
         ("taken/notes.txt", &[], &["taken/notes.txt", "--out"]),
@@ -569,7 +568,7 @@ fn a_run_is_resumed_only_with_what_decided_its_results() {
         (&pid, &["--vehicle", "heavy.yaml"], &["vehicle.hash"]),
         (&pid, &["--soils", "original"], &["soils.hash"]),
         (&pid, &["--soil-resolution", "0.05"], &["soil_resolution", "0.1", "0.05"]),
-        (&pid, &["--time-step", "0.5"], &["time_step", "0.001", "0.0005"]),
+        (&pid, &["--time-step", "0.5ms"], &["time_step", "0.001", "0.0005"]),
         (&other, &[], &["plugin.kind", "wasm", "native"]),
     ];
     for (plugin, more, says) in cases {

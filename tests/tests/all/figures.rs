@@ -129,5 +129,7 @@ fn what_cannot_be_drawn_or_written_is_said() {
     assert!(told.contains("no run of that name") && told.contains("one of r"), "{told}");
     bench.write("f/results.pdf/in-the-way", "a file");
     let told = refused(&["--figures", "f"], OUTPUT);
+    assert!(told.contains("f is not empty") && told.contains("--force"), "{told}");
+    let told = refused(&["--figures", "f", "--force"], OUTPUT);
     assert!(told.contains("cannot write f/results.pdf"), "{told}");
 }

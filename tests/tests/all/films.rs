@@ -107,7 +107,7 @@ fn what_cannot_be_filmed_is_said_before_anything_is_drawn() {
     says(&["--video", "v.gif", "--fps", "60"], "--fps 60: GIF files have 1 to 50 frames a second");
     says(&["--video", "v.gif", "--from", "500"], "--from 500: the runs have 0 to ");
     says(&["--png", "p.png", "--at", "500"], "--at 500: the runs have 0 to ");
-    says(&["--camera", "top"], "--camera is of videos and pictures (add --video FILE or --png FILE)");
+    says(&["--camera", "top"], "<--video <FILE>|--png <FILE>>");
     says(
         &["--png", "p.png", "--size", "5000x10"],
         "want columns and rows of 64 to 4096 pixels, e.g. 1280x720",

@@ -57,7 +57,7 @@ fn the_program_alone_has_its_suites_and_vehicles_and_unpacks_them_when_they_are_
     let installed = Installed::new();
     assert!(installed.run(&["--version"]).ok().contains("vb-harness"));
     assert!(installed.data().is_empty(), "what isn't needed isn't unpacked");
-    let suites = installed.run(&["suite", "list"]).ok();
+    let suites = installed.run(&["list", "suites"]).ok();
     assert!(suites.contains("smoke") && suites.contains("vb-100"), "{suites}");
     let data = installed.data();
     assert!(matches!(&data[..], [tasks] if tasks.starts_with("tasks-")), "{data:?}");
@@ -129,8 +129,8 @@ fn where_tasks_cannot_be_unpacked_one_line_says_where_and_what_to_do() {
     let installed = Installed::new();
     let file = installed.bench.path("file");
     fs::write(&file, "").unwrap();
-    let told = Done::of(installed.command(&["suite", "list"]).env("VB_DATA", &file)).error(4);
+    let told = Done::of(installed.command(&["list", "suites"]).env("VB_DATA", &file)).error(4);
     assert!(told.contains(file.to_str().unwrap()) && told.contains("VB_DATA"), "{told}");
-    let told = Done::of(installed.command(&["suite", "list"]).env_remove("HOME")).error(4);
+    let told = Done::of(installed.command(&["list", "suites"]).env_remove("HOME")).error(4);
     assert!(told.contains("VB_DATA") && told.contains("VB_TASKS"), "{told}");
 }

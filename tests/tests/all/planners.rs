@@ -136,15 +136,22 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
 }
 
 #[test]
-fn a_failing_planner_is_told_with_its_log_and_to_debug_with_its_functions() {
+fn a_failing_planner_is_told_with_its_log_and_with_details_with_its_functions() {
     let bench = Bench::new();
     let plugin = plugin("faulty", PluginKind::Wasm);
     let args = ["--plugin", text(&plugin), "--tasks", "w001/t00", "--param", "fault=stack"];
     let (plain, debug) = (
         bench.run(&[&args[..], &["--out", "a"]].concat()).stderr,
-        bench.run(&[&args[..], &["--out", "b", "--debug"]].concat()).stderr,
+        bench.run(&[&args[..], &["--out", "b", "--verbose"]].concat()).stderr,
     );
     assert!(plain.contains("    log | info: failing at 0.3 s: stack"), "{plain}");
+    assert!(plain.contains("1 of 1000 tasks selected"), "{plain}");
+    // Without progress and hints only the place of the results is left.
+    let quiet = bench.run(&[&args[..], &["--out", "c", "--quiet"]].concat()).stderr;
+    assert_eq!(quiet, "results: c\n");
+    // Colours are those of outcomes alone; what a planner says can't have any.
+    let coloured = bench.run(&[&args[..], &["--out", "d", "--color", "always"]].concat()).stderr;
+    assert!(coloured.contains("\u{1b}[35m") && !plain.contains('\u{1b}'), "{coloured}");
     assert!(!plain.contains("      0 | ") && debug.contains("      0 | faulty::recurse\n"), "{debug}");
 }
 
@@ -181,7 +188,7 @@ fn the_log_of_a_vehicle_that_got_stuck_is_kept_unless_none_is_wanted() {
     assert_eq!((kept.len(), &kept[0]), (20, &Value::from(lines[0].clone())));
     assert!(!told.contains("log | "), "{told}");
     assert_eq!(bench.json("usual/run.json")["logs"], "failed");
-    let (all, told) = run("all", &["--logs", "all", "--debug"]);
+    let (all, told) = run("all", &["--logs", "all", "-v"]);
     assert_eq!(all, usual, "the lines are the same whenever the task is driven");
     assert!(told.contains("    log | info: failing at 9.9 s: range"), "{told}");
     let (none, _) = run("none", &["--logs", "none"]);

@@ -17,9 +17,9 @@ fn args(out: &str, more: &[&str]) -> Vec<String> {
     args.into_iter().chain(more.iter().map(|a| (*a).to_owned())).collect()
 }
 
-/// Drives one of several parts.
+/// Drives one of several parts, or what is left of it.
 fn shard(bench: &Bench, shard: &str) {
-    bench.ok(&args("parts", &["--shard", shard]));
+    bench.ok(&args("parts", &["--shard", shard, "--resume"]));
 }
 
 /// The files of a run, but for the time of its start, which run.json has, and its checksum.
@@ -115,7 +115,7 @@ fn a_trace_that_a_shard_has_lost_is_told() {
 }
 
 #[test]
-fn the_same_command_goes_on_where_a_shard_was_stopped_and_is_done_at_once_after_it() {
+fn resume_begins_a_shard_and_continues_it_and_is_done_at_once_after_its_end() {
     let bench = Bench::new();
     shard(&bench, "1/2");
     let whole = files(&bench, "parts/shard-0001-of-0002");
@@ -126,6 +126,8 @@ fn the_same_command_goes_on_where_a_shard_was_stopped_and_is_done_at_once_after_
         shard(&bench, "1/2");
         assert_eq!(files(&bench, "parts/shard-0001-of-0002"), whole);
     }
+    let e = bench.run(&args("parts", &["--shard", "1/2"])).error(4);
+    assert!(e.contains("not empty") && e.contains("--resume"), "{e}");
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn pipes_and_devices_are_refused_at_once_wherever_a_file_can_be_named() {
 #[test]
 fn results_that_do_not_reach_stdout_are_an_error_and_a_reader_that_went_away_is_none() {
     let bench = Bench::new();
-    for args in [["suite", "list"].as_slice(), &["tasks", "list", "--json"], &["--help"], &["-V"]] {
+    for args in [["list", "suites"].as_slice(), &["tasks", "list", "--json"], &["--help"], &["-V"]] {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
         let done = Done::of(bench.command(args).stdout(full));
         let told = done.error(OUTPUT);

@@ -420,9 +420,13 @@ fn entries_that_cannot_be_shown_are_named() {
     assert!(told.contains("verify it again") && !mini.path("site").exists(), "{told}");
     mini.bench.write("accepted/a/submission.json", manifest);
     assert_eq!(build().status.code(), Some(0));
+    // A site that is there is replaced only on purpose.
+    let told = build().error(4);
+    assert!(told.contains("leaderboard.json is there already") && told.contains("--force"), "{told}");
+    mini.ok(&["leaderboard", "build", "accepted", "--out", "site", "--force"]);
     mini.bench.write("elsewhere/thesis.tex", "");
     assert!(
         mini.run(&["leaderboard", "build", "accepted", "--out", "elsewhere"]).error(4).contains("not empty")
     );
-    assert!(mini.run(&["leaderboard", "build", "nowhere", "--out", "site"]).error(3).contains("nowhere"));
+    assert!(mini.run(&["leaderboard", "build", "nowhere", "--out", "new"]).error(3).contains("nowhere"));
 }

@@ -23,7 +23,6 @@ fn sweep<'a>(what: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["sweep", what, "sweep.yaml"], more].concat()
 }
 
-/// The events of a command.
 fn events(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
@@ -90,11 +89,13 @@ fn a_sweep_is_driven_told_of_and_compared() {
     }
 
     // What is done is not driven again, and more may be wanted later.
-    let again = events(&bench.ok(&sweep("run", &["--out", "one", "--json"])));
+    let e = bench.run(&sweep("run", &["--out", "one"])).error(4);
+    assert!(e.contains("one is not empty") && e.contains("--resume"), "{e}");
+    let again = events(&bench.ok(&sweep("run", &["--out", "one", "--resume", "--json"])));
     assert!(again.is_empty(), "{again:?}");
     let text = fs::read_to_string(bench.path("sweep.yaml")).unwrap();
     bench.write("sweep.yaml", text.replace("seeds: [0, 1]", "seeds: [0, 1, 2]"));
-    let more = events(&bench.ok(&sweep("run", &["--out", "one", "--json"])));
+    let more = events(&bench.ok(&sweep("run", &["--out", "one", "--resume", "--json"])));
     assert_eq!(more.iter().filter(|e| e["event"] == "run_finished").count(), 6);
     assert_eq!(more.last().unwrap()["event"], "run_finished");
 }
@@ -111,16 +112,18 @@ fn shards_of_a_sweep_are_even_and_make_the_runs_of_one_machine() {
     }
     let told = bench.run(&sweep("report", &["--out", "many"])).error(11);
     assert!(
-        told.contains("runs are not done and in no table: ") && told.contains("sweep run goes on"),
+        told.contains("runs are not done and in no table: ") && told.contains("sweep run --resume continues"),
         "{told}"
     );
 
-    // A machine is killed in the midst of it; the same command goes on.
+    // A machine is killed in the midst of it; the same command with --resume continues.
     let args = sweep("run", &["--out", "many", "--shard", "3/3", "--jobs", "1"]);
     let mut watched = bench.watch(&args);
     watched.until("task");
     watched.kill();
-    let rest = events(&bench.ok(&[&args[..], &["--json"]].concat()));
+    let e = bench.run(&args).error(4);
+    assert!(e.contains("shard-0003-of-0003 is not empty") && e.contains("--resume"), "{e}");
+    let rest = events(&bench.ok(&[&args[..], &["--resume", "--json"]].concat()));
     assert!(rest.iter().filter(|e| e["event"] == "task").count() < 16);
     bench.ok(&sweep("report", &["--out", "many"]));
     let (one, many) = (files(&bench, "one/runs"), files(&bench, "many/runs"));
@@ -155,11 +158,11 @@ fn what_would_make_a_whole_run_fail_is_told_before_the_first_begins() {
 fn shards_of_another_plan_are_not_mixed_with_those_that_are_there() {
     let bench = Bench::new();
     plan(&bench);
-    let shard = sweep("run", &["--out", "out", "--shard", "1/12"]);
+    let shard = sweep("run", &["--out", "out", "--shard", "1/12", "--resume"]);
     bench.ok(&shard);
     let text = fs::read_to_string(bench.path("sweep.yaml")).unwrap();
     bench.write("sweep.yaml", text.replace("seeds: [0, 1]", "seeds: [0, 1, 2]"));
-    for args in [shard, sweep("run", &["--out", "out"])] {
+    for args in [shard, sweep("run", &["--out", "out", "--resume"])] {
         let told = bench.run(&args).error(4);
         assert!(told.contains("out was begun with another plan"), "{told}");
     }

@@ -119,7 +119,7 @@ fn keys_move_the_vehicle_and_what_is_driven_is_kept() {
     serving.kill();
     bench.ok(&["dataset", "validate", "d"]);
     let card = std::fs::read_to_string(bench.path("d/README.md")).expect("a card");
-    assert!(card.contains("driven by a person") && card.contains("can't be made again"), "{card}");
+    assert!(card.contains("driven by a person") && card.contains("can't be reproduced"), "{card}");
     // And more can be added, which stand still until the rules say that they are stuck.
     let args = [
         "dataset",

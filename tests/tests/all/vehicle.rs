@@ -18,7 +18,7 @@ fn hmmwv() -> String {
 #[test]
 fn vehicles_are_listed_shown_and_checked() {
     let bench = Bench::new();
-    assert!(bench.ok(&["vehicle", "list"]).lines().any(|l| l.starts_with("hmmwv ")));
+    assert!(bench.ok(&["list", "vehicles"]).lines().any(|l| l.starts_with("hmmwv ")));
     let shown = bench.ok(&["vehicle", "show", "hmmwv"]);
     // 2060.2 kg sprung and four wheels of 108.44 kg (tasks/vehicles/hmmwv.yaml).
     assert!(shown.contains("2494.0 kg") && shown.contains("axle front"), "{shown}");
@@ -188,7 +188,7 @@ fn bad_input_to_a_test_is_one_line_that_says_what_to_do() {
         }
     };
     refused(&["hmmwv", "--event", "flying", "--out", "r"], USAGE, &["no event flying", "braking"]);
-    refused(&["hmmwv", "--time-step", "50", "--out", "r"], USAGE, &["0.05", "between 0.01 and 10 ms"]);
+    refused(&["hmmwv", "--time-step", "50ms", "--out", "r"], USAGE, &["0.05", "between 0.01 and 10 ms"]);
     refused(&[], USAGE, &["NAME|FILE"]);
     bench.write(
         "r.yaml",

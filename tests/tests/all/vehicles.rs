@@ -58,7 +58,7 @@ fn a_small_vehicle_runs_in_worlds_of_its_scale_unless_told_otherwise() {
 fn vehicles_are_listed_and_shown_to_programs_and_drawn() {
     let bench = Bench::new();
     let listed: Vec<Value> = bench
-        .ok(&["vehicle", "list", "--json"])
+        .ok(&["list", "vehicles", "--json"])
         .lines()
         .map(|l| serde_json::from_str(l).expect("JSON"))
         .collect();

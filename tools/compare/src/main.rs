@@ -18,10 +18,11 @@ use cost::Cost;
 use mode::Mode;
 use reference::Run;
 use table::{Ours, Row};
+use vb_files::DocumentError;
 use vb_score::TaskRecord;
 use vb_sim::{SimError, SoilSet};
 use vb_suite::import::{Ground, ImportError, Source};
-use vb_vehicle::{VehicleError, VehicleModel, VehicleSpec};
+use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
 
 /// Drives the tasks that Project Chrono was recorded on and puts both results side by side.
@@ -72,7 +73,7 @@ enum CompareError {
     Import(#[from] ImportError),
     /// The recorded vehicle can't be read.
     #[error(transparent)]
-    Vehicle(#[from] VehicleError),
+    Vehicle(#[from] DocumentError),
     /// Its soils can't be read.
     #[error(transparent)]
     Soils(#[from] SimError),

@@ -65,8 +65,8 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
     use std::path::{Path, PathBuf};
+    use vb_files::yaml;
     use vb_suite::import::{Ground, Source};
-    use vb_world::yaml;
 
     #[test]
     fn the_recorded_vehicle_is_chronos_reduced_model() {

@@ -33,7 +33,6 @@ const PASSED: f64 = 2.0;
 /// The share of tries that begin at any state and not at the most promising one.
 const ANYWHERE: f64 = 0.3;
 
-/// A state that was reached.
 struct Reached {
     snapshot: Snapshot,
     /// The state from which it was reached, and the actions of the way from there.
@@ -44,7 +43,6 @@ struct Reached {
     tries: usize,
 }
 
-/// What came of a search.
 pub(crate) struct Found {
     /// The actions of a drive that does the task, ten a second; `None` if none was found.
     pub(crate) actions: Option<Vec<[f64; 2]>>,
@@ -99,9 +97,6 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
 }
 
 /// Drives a task anew by these actions; how it ends.
-///
-/// # Errors
-/// Returns an error if the task can't be begun.
 pub(crate) fn repeat(arena: &Arc<Arena>, task: &str, actions: &[[f64; 2]]) -> Result<Env, EnvError> {
     let mut env = Env::new(Arc::clone(arena), 0);
     env.reset(&Reset { task: Some(task.to_owned()), run_seed: Some(0), seed: None })?;
@@ -125,7 +120,6 @@ fn choose(reached: &[Reached], random: &mut Stream) -> usize {
     best.map_or(0, |(index, _)| index)
 }
 
-/// A piece of driving.
 struct Piece {
     /// The steering, or how far aside of where the way leads.
     steering: f64,

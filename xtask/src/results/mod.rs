@@ -30,7 +30,6 @@ impl Class {
 pub(super) struct Entry {
     /// The name of its plugin, by which published figures are found, too.
     pub(super) plugin: &'static str,
-    /// The name of the row.
     pub(super) label: &'static str,
     pub(super) params: &'static [&'static str],
     pub(super) class: Class,
@@ -70,7 +69,6 @@ struct Course {
     name: &'static str,
     suite: &'static str,
     vehicle: &'static str,
-    /// The tasks that are driven.
     tasks: &'static str,
 }
 

@@ -10,6 +10,6 @@ here=$(dirname "$0")
 harness=${VB_HARNESS:-vb-harness}
 mkdir -p "$out"
 sh "$here/build.sh" "$out/planner.wasm"
-"$harness" check --plugin "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}"
-"$harness" submit --plugin "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}" --out "$out/submission" \
+"$harness" check "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}"
+"$harness" submit "$out/planner.wasm" --suite "${VB_SUITE:-vb-100}" --out "$out/submission" \
     --entrant "${VB_ENTRANT:-}" --note "${VB_NOTE:-}"

@@ -1,10 +1,37 @@
 //! Options that several commands have.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ColorChoice, ValueEnum};
 
-use super::values::key_value;
+use super::values::{key_value, planner};
+
+/// The vehicle, soils, rules and perception profile where an option of any command is absent.
+pub(crate) const VEHICLE: &str = "hmmwv";
+pub(crate) const SOILS: &str = "default";
+pub(crate) const RULES: &str = "paper";
+pub(crate) const PERCEPTION: &str = vb_sense::profile::ORACLE;
+/// The step of the simulation, s, and the side of the cells in which soil remembers ruts, m, where an option is absent, and in commands
+/// without it.
+pub(crate) const TIME_STEP: f64 = 0.001;
+pub(crate) const SOIL_RESOLUTION: f64 = 0.1;
+
+/// The heading of the options of every command.
+const EVERYWHERE: &str = "Global options";
+
+/// The options of every command.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct GlobalArgs {
+    /// Print no progress and no hints, only results, warnings and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = EVERYWHERE)]
+    pub(crate) quiet: bool,
+    /// Print more: the log lines of every task, and the backtrace of a trapped planner
+    #[arg(short, long, global = true, help_heading = EVERYWHERE)]
+    pub(crate) verbose: bool,
+    /// Colours; auto uses them on terminals, unless the variable NO_COLOR is set
+    #[arg(long, value_name = "WHEN", global = true, default_value_t, help_heading = EVERYWHERE)]
+    pub(crate) color: ColorChoice,
+}
 
 /// How results are told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -41,8 +68,8 @@ impl FormatArgs {
 /// How much is done at a time.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct JobsArgs {
-    /// Number of parallel jobs; default: number of cores
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Number of tasks that are run in parallel; default: number of cores
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
 }
 
@@ -51,6 +78,26 @@ impl JobsArgs {
     pub(crate) fn get(self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         self.jobs.map_or_else(cores, usize::from)
+    }
+}
+
+/// The planner of a command: an argument, or an option for command lines that begin with an option.
+#[derive(Clone, Debug, Args)]
+#[group(required = true, multiple = false)]
+pub(crate) struct PluginArgs {
+    /// Planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
+    #[arg(value_name = "PLANNER", value_parser = planner())]
+    planner: Option<PathBuf>,
+    /// Planner, as an option instead of an argument
+    #[arg(long, value_name = "PLANNER", value_parser = planner())]
+    plugin: Option<PathBuf>,
+}
+
+impl PluginArgs {
+    /// The file or the command.
+    pub(crate) fn path(&self) -> &Path {
+        // One of both is there: clap demands it.
+        self.planner.as_deref().or(self.plugin.as_deref()).unwrap_or(Path::new(""))
     }
 }
 
@@ -66,4 +113,22 @@ pub(crate) struct PlannerArgs {
     /// YAML file with limits of the planner; docs/abi.md lists names and defaults
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
+}
+
+/// Whether a command continues what it began.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct ResumeArgs {
+    /// Continue what an interrupted command left in --out, or begin if nothing is there
+    ///
+    /// Without this option, a folder that is not empty is refused.
+    #[arg(long)]
+    pub(crate) resume: bool,
+}
+
+/// Whether files of an earlier call may be replaced.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct ForceArgs {
+    /// Replace what an earlier call wrote to the same place
+    #[arg(long)]
+    pub(crate) force: bool,
 }

@@ -6,25 +6,38 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use vb_dataset::Part;
 
-use super::values::{key_value, planner, positive, scale};
-use super::{FormatArgs, JobsArgs};
+use super::exit_codes::{codes, resumed};
+use super::values::{duration, key_value, planner, positive, scale};
+use super::{ForceArgs, FormatArgs, JobsArgs, PERCEPTION, RULES, ResumeArgs, SOILS, VEHICLE};
+use crate::error::{HOST_ERRORS, INTERRUPTED, NOT_VERIFIED};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum DatasetCommand {
     /// Record random exploration of training worlds: sinusoidal steering and random speeds
+    #[command(
+        after_help = resumed(&[HOST_ERRORS, INTERRUPTED]),
+        mut_arg("jobs", |arg| arg.help("Number of episodes that are driven in parallel; default: number of cores")),
+        mut_arg("worlds", |arg| {
+            let text = "Number of generated training worlds; default: one per four episodes, 10 to 90";
+            arg.help(text).long_help(text)
+        })
+    )]
     Explore(ExploreArgs),
     /// Record demonstrations by planners, in tasks of training worlds
+    #[command(after_help = resumed(&[HOST_ERRORS, INTERRUPTED]))]
     Drive(DatasetDriveArgs),
     /// Record demonstrations by people, who drive in the browser with keyboard or gamepad
+    #[command(after_help = resumed(&[INTERRUPTED]))]
     Teleop(TeleopArgs),
     /// Extract the last seconds before each rollover or stuck end from a dataset or a run
+    #[command(after_help = codes(&[HOST_ERRORS, INTERRUPTED]))]
     Failures(FailuresArgs),
     /// Write an HTML report of a dataset, with figures and replays of example episodes
     Show(DatasetShowArgs),
     /// Write episodes of a dataset as MCAP files for Foxglove
     Mcap(DatasetMcapArgs),
     /// Validate a dataset: hashes, gaps, ranges, totals, worlds
-    #[command(alias = "check")]
+    #[command(alias = "check", after_help = codes(&[NOT_VERIFIED]))]
     Validate(DatasetValidateArgs),
     /// Merge several datasets
     Merge(MergeArgs),
@@ -36,7 +49,8 @@ pub(crate) enum DatasetCommand {
 pub(crate) struct TeleopArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Tasks to choose from ("," is OR, ":" is AND), e.g. w001-w004,w007/t03 or elevation=high:terrain=rigid; default: all
+    /// Tasks to choose from, e.g. w001-w004,w007/t03 or elevation=high,terrain=rigid (different keys must hold together, values of one key
+    /// are alternatives); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     /// Port on this machine; 0 for a free port
@@ -53,11 +67,11 @@ pub(crate) struct FailuresArgs {
     #[arg(value_name = "DATASET|RUN")]
     pub(crate) of: PathBuf,
     /// Directory for the dataset
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Duration before each failure, s at scale 1; proportional to the square root of the world's scale
-    #[arg(long, value_name = "S", default_value_t = vb_dataset::SECONDS, value_parser = positive)]
-    pub(crate) seconds: f64,
+    /// Duration before each failure at scale 1, s or with a unit; proportional to the square root of the world's scale
+    #[arg(long, value_name = "TIME", default_value_t = vb_dataset::SECONDS, value_parser = duration)]
+    pub(crate) duration: f64,
     /// Dataset name; default: failures-of-NAME, with the name of the dataset or of the run's planner
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
@@ -95,8 +109,10 @@ pub(crate) struct DatasetShowArgs {
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
     /// Directory for index.html and the replays; default: a temporary directory, opened in the browser
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Number of example episodes, of each outcome in turn
     #[arg(long, value_name = "N", default_value_t = 12)]
     pub(crate) clips: usize,
@@ -113,8 +129,10 @@ pub(crate) struct DatasetMcapArgs {
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
     /// Directory for the files, one per episode
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Episode numbers, e.g. 3,10-19; default: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = episodes)]
     pub(crate) episodes: Vec<RangeInclusive<usize>>,
@@ -152,7 +170,7 @@ pub(crate) struct MergeArgs {
     #[arg(value_name = "DATASET", required = true, num_args = 1..)]
     pub(crate) datasets: Vec<PathBuf>,
     /// Directory for the dataset
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Dataset name; default: merged-VEHICLE
     #[arg(long, value_name = "NAME")]
@@ -167,7 +185,7 @@ pub(crate) struct SplitArgs {
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
     /// Directory for the parts
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Parts and their fractions of the worlds; the sum must be 1
     #[arg(long, value_name = "NAME=FRACTION,…", default_value = "train=0.8,validation=0.1,test=0.1", value_delimiter = ',', value_parser = part)]
@@ -189,11 +207,10 @@ fn part(text: &str) -> Result<Part, String> {
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// Directory for the dataset
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Resume the dataset in --out
-    #[arg(long)]
-    pub(crate) resume: bool,
+    #[command(flatten)]
+    pub(crate) resume: ResumeArgs,
     /// Dataset name; default: COMMAND-VEHICLE-SEED, e.g. explore-hmmwv-0
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
@@ -203,7 +220,7 @@ pub(crate) struct SceneArgs {
     /// Suite of training worlds, from vb-harness suite generate --training; default: generated worlds
     #[arg(long, value_name = "DIR", conflicts_with_all = ["worlds", "world_seed"])]
     pub(crate) suite: Option<PathBuf>,
-    /// Number of generated training worlds; default: 90, or for explore one per four episodes (10 to 90)
+    /// Number of generated training worlds; default: 90
     ///
     /// 90 worlds contain all combinations of elevation level, terrain type and obstacle density equally often.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
@@ -214,14 +231,14 @@ pub(crate) struct SceneArgs {
     /// Another suite whose worlds must not be in the dataset, in addition to the shipped suites; may be repeated
     #[arg(long, value_name = "DIR")]
     pub(crate) apart_from: Vec<PathBuf>,
-    /// Vehicle: a name or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    /// Vehicle: a name from list vehicles, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = VEHICLE)]
     pub(crate) vehicle: String,
-    /// Soil set of deformable terrain: default, original, wong, or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "default")]
+    /// Soil set of deformable terrain: a name from list soils, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = SOILS)]
     pub(crate) soils: String,
-    /// Perception profile (maps, sensors and their errors): oracle, onboard, degraded, or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
+    /// Perception profile (maps, sensors and their errors): a name from list profiles, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = PERCEPTION)]
     pub(crate) perception: String,
     /// Factor on all lengths of the world, 0.01 to 10, e.g. 1/6; default: the vehicle's scale
     #[arg(long, value_name = "FACTOR", value_parser = scale)]
@@ -233,8 +250,6 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=128))]
     pub(crate) crops: u16,
     #[command(flatten)]
-    pub(crate) jobs: JobsArgs,
-    #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
 
@@ -242,13 +257,15 @@ pub(crate) struct SceneArgs {
 pub(crate) struct ExploreArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
     /// Exploration parameters: default (1 to 6 m/s), paper (2 m/s), or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "default")]
     pub(crate) exploration: String,
-    /// Duration of driving, h
-    #[arg(long, value_name = "HOURS", default_value_t = 10.0, value_parser = positive, conflicts_with = "episodes")]
-    pub(crate) hours: f64,
-    /// Number of episodes, instead of --hours
+    /// Duration of driving, s or with a unit
+    #[arg(long, value_name = "TIME", default_value = "10h", value_parser = duration, conflicts_with = "episodes")]
+    pub(crate) duration: f64,
+    /// Number of episodes, instead of --duration
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) episodes: Option<u32>,
 }
@@ -269,19 +286,22 @@ pub(crate) enum Keeping {
 pub(crate) struct DatasetDriveArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
     /// Planner: a WASM file, a native library, or a command; may be repeated
     #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), required = true)]
     pub(crate) plugin: Vec<PathBuf>,
     /// Planner parameter, with a single --plugin only; may be repeated
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) params: Vec<(String, String)>,
-    /// Tasks to run ("," is OR, ":" is AND), e.g. w001-w004,w007/t03 or elevation=high:terrain=rigid; default: all
+    /// Tasks to run, e.g. w001-w004,w007/t03 or elevation=high,terrain=rigid (different keys must hold together, values of one key
+    /// are alternatives); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     /// Drives that become episodes
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     pub(crate) keep: Keeping,
-    /// Rule profile: paper, release, dev, exploration, training, or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "paper")]
+    /// Rule profile: a name from list rules, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = RULES)]
     pub(crate) rules: String,
 }

@@ -1,133 +1,87 @@
-//! The exit codes in the help: of the program all, of each command those that it can give.
+//! The exit codes in the help: of the program all, of each command those that it can give. Commands with codes of their own name them
+//! where they are declared ([`codes`], [`resumed`]); the others give those that every command can give.
 
 use clap::Command;
 
-use crate::error::{
-    BAD_INPUT, CHECKS_FAILED, DONE, FAILED_START, HOST_ERRORS, INCOMPLETE, INTERNAL, INTERRUPTED, MEANINGS,
-    NOT_CONFORMING, NOT_VERIFIED, OUTPUT, SIM_ERRORS, USAGE,
-};
+use crate::error::{BAD_INPUT, DONE, EXIT_CODES, HOST_ERRORS, INTERNAL, INTERRUPTED, OUTPUT, USAGE};
 
 /// What every command can give; what it tells may not reach its file.
 const ALWAYS: [u8; 5] = [DONE, INTERNAL, USAGE, BAD_INPUT, OUTPUT];
-
-/// What a command can give beside [`ALWAYS`].
-const OF: [(&str, &[u8]); 16] = [
-    ("run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
-    ("merge", &[SIM_ERRORS, INCOMPLETE]),
-    ("sweep run", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
-    ("sweep report", &[INCOMPLETE]),
-    ("submit", &[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
-    ("verify", &[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]),
-    ("evaluate", &[SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),
-    ("check", &[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]),
-    ("dataset explore", &[INTERRUPTED]),
-    ("dataset drive", &[INTERRUPTED]),
-    ("dataset teleop", &[INTERRUPTED]),
-    ("dataset failures", &[INTERRUPTED]),
-    ("dataset validate", &[NOT_VERIFIED]),
-    ("vehicle test", &[CHECKS_FAILED]),
-    ("terrain train", &[INTERRUPTED]),
-    // The program without a command is `run`, but its help is that of all commands.
-    (
-        "",
-        &[
-            SIM_ERRORS,
-            CHECKS_FAILED,
-            HOST_ERRORS,
-            NOT_CONFORMING,
-            NOT_VERIFIED,
-            FAILED_START,
-            INCOMPLETE,
-            INTERRUPTED,
-        ],
-    ),
-];
 
 /// What a command that has `--resume` says of it beside a code's meaning.
 const RESUMED: [(u8, &str); 2] =
     [(HOST_ERRORS, "; --resume re-runs them"), (INTERRUPTED, "; --resume continues")];
 
-/// The program's commands with their exit codes at the end of their help.
-pub(super) fn document(program: Command) -> Command {
-    add(program, "")
+/// The end of the help of a command that can give these codes in addition to [`ALWAYS`].
+pub(super) fn codes(own: &[u8]) -> String {
+    text(own, &[])
 }
 
-fn add(command: Command, path: &str) -> Command {
-    let inner = |name: &str| format!("{path} {name}").trim_start().to_owned();
-    let command = command.mut_subcommands(|c| {
-        let path = inner(c.get_name());
-        add(c, &path)
-    });
-    // A group of commands gives none itself.
-    if command.has_subcommands() && !path.is_empty() {
-        return command;
-    }
-    let resumes = command.get_arguments().any(|option| option.get_long() == Some("resume"));
-    command.after_help(text(path, resumes))
+/// The end of the help of such a command that has `--resume`.
+pub(super) fn resumed(own: &[u8]) -> String {
+    text(own, &RESUMED)
 }
 
-/// What is said of the codes of a command, which may be one that resumes what it began.
-fn text(path: &str, resumes: bool) -> String {
-    let own = OF.iter().find(|(name, _)| *name == path).map_or(&[][..], |(_, codes)| codes);
-    let rows = MEANINGS.iter().filter(|(code, _)| ALWAYS.contains(code) || own.contains(code));
+fn text(own: &[u8], hints: &[(u8, &str)]) -> String {
+    let rows = EXIT_CODES.iter().filter(|(code, _)| ALWAYS.contains(code) || own.contains(code));
     rows.fold("Exit codes:".to_owned(), |text, (code, meaning)| {
-        let hint =
-            RESUMED.iter().find(|(resumed, _)| resumes && resumed == code).map_or("", |(_, hint)| hint);
+        let hint = hints.iter().find(|(of, _)| of == code).map_or("", |(_, hint)| hint);
         format!("{text}\n  {code:>3}  {meaning}{hint}")
     })
+}
+
+/// The program's commands with their exit codes at the end of their help.
+pub(super) fn document(program: Command) -> Command {
+    let all: Vec<u8> = EXIT_CODES.iter().map(|(code, _)| *code).collect();
+    program.after_help(codes(&all)).mut_subcommands(add)
+}
+
+fn add(command: Command) -> Command {
+    let command = command.mut_subcommands(add);
+    // A group of commands gives none itself.
+    if command.has_subcommands() || command.get_after_help().is_some() {
+        return command;
+    }
+    command.after_help(codes(&[]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Cli;
     use super::*;
-    use clap::CommandFactory as _;
+    use crate::error::{NOT_VERIFIED, SIM_ERRORS};
 
-    /// The paths of all commands that do something.
-    fn commands(command: &Command, path: &str, found: &mut Vec<String>) {
+    /// Each command that does something, with its path and the end of its help.
+    fn commands(command: &Command, path: &str, found: &mut Vec<(String, String, bool)>) {
         for c in command.get_subcommands() {
             let path = format!("{path} {}", c.get_name()).trim_start().to_owned();
             if c.has_subcommands() {
+                assert!(c.get_after_help().is_none(), "{path}");
                 commands(c, &path, found);
             } else {
-                assert!(
-                    c.get_after_help().unwrap().to_string().starts_with("Exit codes:\n    0  completed\n"),
-                    "{path}"
-                );
-                found.push(path);
+                let resumes = c.get_arguments().any(|option| option.get_long() == Some("resume"));
+                let told = c.get_after_help().map(ToString::to_string).unwrap_or_default();
+                found.push((path, told, resumes));
             }
         }
     }
 
-    /// Whether a command, and all below it, name `--resume` beside their codes only if they have it.
-    fn names_its_own(command: &Command) {
-        for c in command.get_subcommands() {
-            let resumes = c.get_arguments().any(|option| option.get_long() == Some("resume"));
-            let told = c.get_after_help().map(ToString::to_string).unwrap_or_default();
-            assert!(resumes || !told.contains("--resume"), "{}: {told}", c.get_name());
-            names_its_own(c);
-        }
-    }
-
     #[test]
-    fn no_code_is_told_with_an_option_that_its_command_lacks() {
-        let program = document(Cli::command());
-        names_its_own(&program);
-        let run = program.find_subcommand("run").unwrap().get_after_help().unwrap().to_string();
-        assert!(run.contains("--resume re-runs them") && run.contains("--resume continues"), "{run}");
-    }
-
-    #[test]
-    fn every_command_tells_its_codes_and_no_other_is_listed() {
-        let mut found = vec![String::new()];
-        commands(&document(Cli::command()), "", &mut found);
-        for (name, _) in OF {
-            assert!(found.iter().any(|path| path == name), "{name}");
+    fn every_command_tells_its_codes_and_names_resume_only_if_it_has_it() {
+        let program = Cli::documented();
+        let mut found = Vec::new();
+        commands(&program, "", &mut found);
+        for (path, told, resumes) in &found {
+            assert!(told.starts_with("Exit codes:\n    0  completed\n"), "{path}: {told}");
+            assert_eq!(told.contains("--resume"), *resumes, "{path}: {told}");
         }
-        let text_of = |path: &str| text(path, false);
-        let not_verified = "failed verification";
-        assert!(text_of("verify").contains(not_verified) && !text_of("run").contains(not_verified));
-        assert_eq!(text_of("").lines().count(), 1 + MEANINGS.len());
-        assert_eq!(text_of("suite list").lines().count(), 1 + ALWAYS.len());
+        let has = |path: &str, code: u8| {
+            let (_, told, _) = found.iter().find(|(p, ..)| p == path).unwrap();
+            told.lines().any(|line| line.trim_start().starts_with(&format!("{code}  ")))
+        };
+        assert!(has("verify", NOT_VERIFIED) && !has("run", NOT_VERIFIED));
+        assert!(has("run", SIM_ERRORS) && has("submit", SIM_ERRORS) && !has("suite show", SIM_ERRORS));
+        let all = program.get_after_help().unwrap().to_string();
+        assert_eq!(all.lines().count(), 1 + EXIT_CODES.len());
     }
 }

@@ -3,6 +3,7 @@
 mod common;
 mod dataset;
 mod exit_codes;
+mod list;
 mod plugin;
 mod results;
 mod run;
@@ -14,47 +15,59 @@ mod terrain;
 mod values;
 mod vehicle;
 
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use std::ffi::OsString;
 
-pub(crate) use common::{FormatArgs, JobsArgs, MessageFormat, PlannerArgs};
+use clap::{ColorChoice, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+
+use crate::error::{
+    FAILED_START, HOST_ERRORS, INCOMPLETE, INTERRUPTED, NOT_CONFORMING, NOT_VERIFIED, SIM_ERRORS,
+};
+pub(crate) use common::{
+    ForceArgs, FormatArgs, GlobalArgs, JobsArgs, MessageFormat, PERCEPTION, PlannerArgs, PluginArgs, RULES,
+    ResumeArgs, SOIL_RESOLUTION, SOILS, TIME_STEP, VEHICLE,
+};
 pub(crate) use dataset::{
     DatasetCommand, DatasetDriveArgs, DatasetMcapArgs, DatasetShowArgs, DatasetValidateArgs, ExploreArgs,
     FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs, TeleopArgs,
 };
+use exit_codes::{codes, resumed};
+pub(crate) use list::{ListArgs, Listed};
 pub(crate) use plugin::{InspectArgs, InstallArgs, Language, NewArgs, PluginCommand, StampArgs};
 pub(crate) use results::{CameraName, FilmArgs, ReplayArgs, ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
-    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, SuiteListArgs,
-    TasksArgs, TasksCommand, TestbedArgs, ValidateArgs,
+    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, TasksArgs,
+    TasksCommand, TestbedArgs, ValidateArgs,
 };
 pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
 pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
-pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs};
+pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleShowArgs, VehicleTestArgs};
 
 /// Benchmark for off-road planners: runs a planner over the tasks of a suite and scores it.
+///
+/// First steps: vb-harness list planners, vb-harness run pid.wasm --suite smoke, vb-harness report runs/pid-1
 #[derive(Debug, Parser)]
 #[command(
     name = "vb-harness",
     version = concat!(env!("CARGO_PKG_VERSION"), " (commit ", env!("VB_COMMIT"), ")"),
-    args_conflicts_with_subcommands = true,
-    subcommand_negates_reqs = true,
-    override_usage = "vb-harness --plugin FILE [OPTIONS]\n       vb-harness COMMAND"
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
-    pub(crate) command: Option<Command>,
+    pub(crate) command: Command,
     #[command(flatten)]
-    pub(crate) run: Option<RunArgs>,
+    pub(crate) global: GlobalArgs,
 }
 
 impl Cli {
     /// What the program was called with.
     pub(crate) fn of_the_program() -> Result<Self, clap::Error> {
-        let matches = Self::documented().try_get_matches()?;
-        Self::from_arg_matches(&matches).map_err(|e| e.format(&mut Self::documented()))
+        let args = with_command(std::env::args_os().collect());
+        // Help is printed before the options are known.
+        let command = Self::documented().color(color(&args));
+        let matches = command.clone().try_get_matches_from(args)?;
+        Self::from_arg_matches(&matches).map_err(|e| e.format(&mut command.clone()))
     }
 
     /// The commands, with their exit codes in their help.
@@ -63,11 +76,44 @@ impl Cli {
     }
 }
 
+/// The arguments, with `run` in front of the first option if no command is there: `vb-harness --plugin FILE` is a run.
+fn with_command(mut args: Vec<OsString>) -> Vec<OsString> {
+    let mut k = 1;
+    while let Some(arg) = args.get(k).and_then(|arg| arg.to_str()) {
+        match arg {
+            "-h" | "--help" | "-V" | "--version" => break,
+            "-q" | "--quiet" | "-v" | "--verbose" => k += 1,
+            "--color" => k += 2,
+            _ if arg.starts_with("--color=") => k += 1,
+            _ => {
+                if arg.starts_with('-') {
+                    args.insert(k, "run".into());
+                }
+                break;
+            }
+        }
+    }
+    args
+}
+
+/// The colours that arguments ask for; auto if they ask for none, or for something else.
+fn color(args: &[OsString]) -> ColorChoice {
+    let mut values = args.iter().enumerate().filter_map(|(k, arg)| {
+        let arg = arg.to_str()?;
+        if arg == "--color" { args.get(k + 1)?.to_str() } else { arg.strip_prefix("--color=") }
+    });
+    values.next_back().and_then(|value| value.parse().ok()).unwrap_or_default()
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a planner over a suite (default command)
+    /// Run a planner over a suite
+    #[command(after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]))]
     Run(RunArgs),
+    /// List what is shipped or installed: suites, vehicles, planners, rules, soils, perception profiles
+    List(ListArgs),
     /// Join the shards of a run
+    #[command(after_help = codes(&[SIM_ERRORS, INCOMPLETE]))]
     Merge(MergeRunArgs),
     /// Run a sweep: many runs that combine planners, parameters, vehicles, perception profiles and seeds
     #[command(subcommand)]
@@ -82,28 +128,39 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Dataset(DatasetCommand),
     /// Make a submission from a planner or a finished run: a small folder that others can verify
+    #[command(
+        after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
+        mut_arg("planner", |arg| arg.help("Planner: a WASM file, or a native library for the open division"))
+    )]
     Submit(SubmitArgs),
     /// Verify a submission: compare it with suite and planner, and re-run tasks
+    #[command(after_help = codes(&[HOST_ERRORS, NOT_VERIFIED, INTERRUPTED]))]
     Verify(VerifyArgs),
     /// Score a planner on a hidden suite, and report only figures over all tasks
+    #[command(
+        after_help = codes(&[SIM_ERRORS, HOST_ERRORS, INTERRUPTED]),
+        mut_arg("planner", |arg| arg.help("Planner: a WASM file"))
+    )]
     Evaluate(EvaluateArgs),
     /// Build a leaderboard site
     #[command(subcommand)]
     Leaderboard(LeaderboardCommand),
     /// Show a planner's metadata: version, interface, parameters, requested sensors
+    #[command(mut_arg("planner", |arg| arg.help("Planner: a WASM file, a native library, or a command, which is started")))]
     Inspect(InspectArgs),
     /// Check whether a planner meets all requirements, such as determinism and head-room
+    #[command(after_help = codes(&[HOST_ERRORS, NOT_CONFORMING, INTERRUPTED]))]
     Check(CheckArgs),
     /// Create planner projects, write metadata into WASM files, install planners
     #[command(subcommand)]
     Plugin(PluginCommand),
-    /// List, show, validate, generate and import suites
+    /// Show, validate, generate and import suites
     #[command(subcommand)]
     Suite(SuiteCommand),
     /// List the tasks of a suite
     #[command(subcommand)]
     Tasks(TasksCommand),
-    /// List, show, validate and test vehicles
+    /// Show, validate and test vehicles
     #[command(subcommand)]
     Vehicle(VehicleCommand),
     /// Train terrain models on elevation data, generate surfaces from them, measure elevation files
@@ -118,7 +175,6 @@ pub(crate) enum Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     /// A snapshot, so that a change of any text is seen where it is made: `INSTA_UPDATE=always cargo test -p vb-harness` takes it.
     #[test]
@@ -151,7 +207,7 @@ mod tests {
         let ground = |more: &[&str]| {
             let args = [&["vb-harness", "suite", "import", "BenchMaps", "--out", "original"], more].concat();
             match Cli::try_parse_from(args).unwrap().command {
-                Some(Command::Suite(SuiteCommand::Import(args))) => Ground::from(args.ground),
+                Command::Suite(SuiteCommand::Import(args)) => Ground::from(args.ground),
                 other => panic!("{other:?}"),
             }
         };
@@ -194,39 +250,96 @@ mod tests {
     }
 
     #[test]
-    fn the_step_of_the_simulation_has_one_name_and_its_old_one_still_works() {
-        for name in ["--time-step", "--step"] {
-            let cli = Cli::try_parse_from(["vb-harness", "vehicle", "test", "hmmwv", name, "0.25"]).unwrap();
-            let Some(Command::Vehicle(VehicleCommand::Test(args))) = cli.command else { panic!("{name}") };
-            assert_eq!(args.time_step, 0.25);
+    fn out_and_jobs_have_the_same_short_names_on_every_command() {
+        fn look(command: &clap::Command, path: &str) {
+            for (long, short) in [("out", 'o'), ("jobs", 'j'), ("quiet", 'q'), ("verbose", 'v')] {
+                for arg in command.get_arguments() {
+                    assert_eq!(arg.get_long() == Some(long), arg.get_short() == Some(short), "{path} {arg}");
+                }
+            }
+            command.get_subcommands().for_each(|c| look(c, &format!("{path} {}", c.get_name())));
         }
-        let mut command = Cli::documented();
-        let test =
-            command.find_subcommand_mut("vehicle").and_then(|c| c.find_subcommand_mut("test")).unwrap();
-        let help = test.render_long_help().to_string();
-        assert!(help.contains("--time-step") && !help.contains(" --step"), "{help}");
+        look(&Cli::documented(), "");
+    }
+
+    fn parse(args: &[&str]) -> Result<Command, clap::Error> {
+        let args = ["vb-harness"].iter().chain(args).map(OsString::from).collect();
+        Cli::try_parse_from(with_command(args)).map(|cli| cli.command)
+    }
+
+    fn parsed_run(args: &[&str]) -> RunArgs {
+        match parse(args) {
+            Ok(Command::Run(args)) => args,
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]
-    fn run_is_the_default_command() {
-        let with = |args: &[&str]| Cli::try_parse_from([&["vb-harness"], args].concat());
-        let short = with(&["--plugin", "a.wasm", "--seed", "7"]).unwrap();
-        assert!(short.command.is_none());
-        let Some(Command::Run(long)) = with(&["run", "--plugin", "a.wasm", "--seed", "7"]).unwrap().command
-        else {
-            panic!("run is a command")
-        };
-        let short = short.run.unwrap();
-        assert_eq!(format!("{short:?}"), format!("{long:?}"));
-        assert!(with(&[]).is_err() && with(&["run"]).is_err());
-        assert!(with(&["score", "runs/a"]).unwrap().run.is_none());
-        assert!(with(&["--plugin", "a.wasm", "--resume"]).unwrap().run.unwrap().out.is_none());
-        assert!(with(&["vehicle", "check", "a.yaml"]).is_ok() && with(&["suite", "check", "smoke"]).is_ok());
+    fn run_is_the_command_before_a_first_option_and_not_in_the_help_of_the_program() {
+        let long = parsed_run(&["run", "--plugin", "a.wasm", "--seed", "7"]);
+        for short in [
+            &["--plugin", "a.wasm", "--seed", "7"][..],
+            &["-q", "--color", "never", "--seed", "7", "--plugin=a.wasm"],
+        ] {
+            assert_eq!(format!("{:?}", parsed_run(short)), format!("{long:?}"));
+        }
+        assert!(parse(&[]).is_err() && parse(&["run"]).is_err() && parse(&["a.wasm"]).is_err());
+        assert!(matches!(parse(&["score", "runs/a"]), Ok(Command::Score(_))));
+        assert!(matches!(parse(&["-v", "vehicle", "check", "a.yaml"]), Ok(Command::Vehicle(_))));
+        assert!(parse(&["suite", "check", "smoke"]).is_ok());
+        let help = parse(&["--help"]).unwrap_err().to_string();
+        assert!(
+            help.contains("Usage: vb-harness [OPTIONS] <COMMAND>") && !help.contains("--trace"),
+            "{help}"
+        );
     }
 
     #[test]
-    fn a_run_for_a_submission_is_one_of_which_nothing_is_said() {
-        let said = Cli::try_parse_from(["vb-harness", "--plugin", "a.wasm"]).unwrap().run.unwrap();
-        assert_eq!(format!("{said:?}"), format!("{:?}", RunArgs::new(Path::new("a.wasm"))));
+    fn a_planner_is_an_argument_or_an_option() {
+        for command in ["run", "check", "inspect"] {
+            assert!(parse(&[command, "a.wasm"]).is_ok() && parse(&[command, "--plugin", "a.wasm"]).is_ok());
+            assert!(parse(&[command]).is_err() && parse(&[command, "a.wasm", "--plugin", "b.wasm"]).is_err());
+        }
+        assert!(parse(&["submit", "a.wasm", "-o", "s"]).is_ok());
+        assert!(parse(&["evaluate", "a.wasm", "--suite", "hidden"]).is_ok());
+        let plugin = |args: &[&str]| parsed_run(args).plugin.path().to_owned();
+        assert_eq!(plugin(&["run", "./a.wasm"]), plugin(&["run", "--plugin", "./a.wasm"]));
+    }
+
+    #[test]
+    fn a_task_can_be_filmed_and_pictured_at_once_and_each_option_needs_its_output() {
+        let replay = |more: &[&str]| parse(&[&["replay", "r", "--task", "w001/t00"], more].concat());
+        assert!(replay(&["--video", "v.gif", "--png", "p.png", "--fps", "5", "--camera", "top"]).is_ok());
+        assert!(replay(&["--png", "p.png", "--camera", "top", "--at", "500ms"]).is_ok());
+        for lacking in [&["--png", "p.png", "--fps", "5"][..], &["--camera", "top"], &["--no-captions"]] {
+            assert!(replay(lacking).is_err(), "{lacking:?}");
+        }
+    }
+
+    #[test]
+    fn global_options_are_taken_before_and_after_the_command() {
+        for args in [["vb-harness", "-q", "score", "r"], ["vb-harness", "score", "r", "-q"]] {
+            assert!(Cli::try_parse_from(args).unwrap().global.quiet);
+        }
+        assert!(Cli::try_parse_from(["vb-harness", "-q", "-v", "score", "r"]).is_err());
+        let asked = |args: &[&str]| color(&args.iter().map(OsString::from).collect::<Vec<_>>());
+        assert_eq!(asked(&["vb-harness", "--help"]), ColorChoice::Auto);
+        assert_eq!(asked(&["vb-harness", "--color", "never", "--help"]), ColorChoice::Never);
+        assert_eq!(asked(&["vb-harness", "run", "--color=always"]), ColorChoice::Always);
+    }
+
+    /// The defaults of runs as the documentation has them, and as the benchmark's conditions want them.
+    #[test]
+    fn the_defaults_of_a_run_are_those_of_the_benchmark() {
+        let run = RunArgs::new(std::path::Path::new("-a.wasm"));
+        assert_eq!(run.plugin.path(), std::path::Path::new("-a.wasm"));
+        let names = [&run.rules, &run.vehicle, &run.soils, &run.perception].map(String::as_str);
+        assert_eq!(names, ["paper", "hmmwv", "default", "oracle"]);
+        assert_eq!(run.suite, std::path::Path::new("vb-100"));
+        assert_eq!((run.time_step, run.soil_resolution, run.seed), (0.001, 0.1, 0));
+        assert_eq!((run.trace, run.logs), (vb_record::TraceMode::TenHz, vb_record::LogMode::Failed));
+        assert!(run.tasks.is_none() && run.out.is_none() && run.scale.is_none() && !run.resume.resume);
+        let parsed = parsed_run(&["run", "--plugin=-a.wasm"]);
+        assert_eq!(format!("{run:?}"), format!("{parsed:?}"));
     }
 }

@@ -2,16 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
-use super::FormatArgs;
-use super::values::planner;
+use super::{FormatArgs, PluginArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {
-    /// Planner: a WASM file, a native library, or a command, which is started
-    #[arg(long, value_name = "FILE|COMMAND", value_parser = planner())]
-    pub(crate) plugin: PathBuf,
+    #[command(flatten)]
+    pub(crate) plugin: PluginArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -56,6 +54,7 @@ pub(crate) enum Language {
 }
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("place").required(true)))]
 pub(crate) struct StampArgs {
     /// Planner: a WASM component, or a core module built with wit-bindgen
     #[arg(value_name = "FILE")]
@@ -63,9 +62,12 @@ pub(crate) struct StampArgs {
     /// Metadata as YAML: name, version, authors, about, control_period, params, needs, needs_without_maps, models
     #[arg(long, value_name = "FILE")]
     pub(crate) meta: PathBuf,
-    /// Output file; default: FILE is changed in place
-    #[arg(long, value_name = "FILE")]
+    /// Output file
+    #[arg(short, long, value_name = "FILE", group = "place")]
     pub(crate) out: Option<PathBuf>,
+    /// Change FILE itself
+    #[arg(long, group = "place")]
+    pub(crate) in_place: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,20 +1,24 @@
 //! The command line of what shows results.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, Parser, ValueEnum};
 
-use super::FormatArgs;
-use super::values::{figure_width, frame_size, not_negative, positive};
+use super::values::{figure_width, frame_size, moment, positive};
+use super::{ForceArgs, FormatArgs};
 
-#[derive(Debug, Default, Args)]
+// A parser of its own for ReportArgs::new.
+#[derive(Debug, Parser)]
 pub(crate) struct ReportArgs {
     /// Run directories of one suite; several runs are compared task by task
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
     /// Directory for the HTML report, index.html; default without another output: RUN/report for a single run, else report
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Write the results as Markdown tables; - for stdout
     #[arg(long, value_name = "FILE")]
     pub(crate) markdown: Option<PathBuf>,
@@ -55,6 +59,14 @@ pub(crate) struct ReportArgs {
     pub(crate) format: FormatArgs,
 }
 
+impl ReportArgs {
+    /// A report of runs with the default of each option.
+    pub(crate) fn new(runs: &[PathBuf]) -> Self {
+        let words = ["report", "--"].map(OsString::from);
+        Self::parse_from(words.into_iter().chain(runs.iter().map(OsString::from)))
+    }
+}
+
 /// Where the data of a run lie now, if not where they lay.
 #[derive(Debug, Default, Args)]
 pub(crate) struct ReplayData {
@@ -83,37 +95,37 @@ pub(crate) enum CameraName {
 
 /// Pictures and videos of a task, several runs beside each other.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Video and picture")]
+#[command(next_help_heading = "Video and picture", group(ArgGroup::new("film").multiple(true)))]
 pub(crate) struct FilmArgs {
     /// Write a video: .gif, or with ffmpeg .mp4 or .webm; no HTML replay without --out
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "film")]
     pub(crate) video: Option<PathBuf>,
     /// Write a picture at one time (--at); no HTML replay without --out
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "film")]
     pub(crate) png: Option<PathBuf>,
-    /// Camera; default: chase
-    #[arg(long, value_enum)]
-    pub(crate) camera: Option<CameraName>,
+    /// Camera
+    #[arg(long, value_enum, default_value_t, requires = "film")]
+    pub(crate) camera: CameraName,
     /// Width and height, pixels, e.g. 1920x1080; default: 640x360 for .gif, else 1280x720
-    #[arg(long, value_name = "WxH", value_parser = frame_size)]
+    #[arg(long, value_name = "WxH", value_parser = frame_size, requires = "film")]
     pub(crate) size: Option<[u32; 2]>,
-    /// For --png: simulated time, s; default: the end of the longest run
-    #[arg(long, value_name = "S", value_parser = not_negative, requires = "png")]
+    /// For --png: simulated time, s or with a unit; default: the end of the longest run
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "png")]
     pub(crate) at: Option<f64>,
-    /// For --video: simulated time of the first frame, s; default: the start
-    #[arg(long, value_name = "S", value_parser = not_negative, requires = "video")]
+    /// For --video: simulated time of the first frame, s or with a unit; default: the start
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "video")]
     pub(crate) from: Option<f64>,
-    /// For --video: simulated time of the last frame, s; default: the end of the longest run
-    #[arg(long, value_name = "S", value_parser = not_negative, requires = "video")]
+    /// For --video: simulated time of the last frame, s or with a unit; default: the end of the longest run
+    #[arg(long, value_name = "TIME", value_parser = moment, requires = "video")]
     pub(crate) to: Option<f64>,
-    /// For --video: playback speed as a multiple of real time, e.g. 4; default: 1
-    #[arg(long, value_name = "FACTOR", value_parser = positive, requires = "video")]
-    pub(crate) speed: Option<f64>,
+    /// For --video: playback speed as a multiple of real time, e.g. 4
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive, requires = "video")]
+    pub(crate) speed: f64,
     /// For --video: frames per second; default: 20 for .gif, else 25
     #[arg(long, value_name = "N", value_parser = positive, requires = "video")]
     pub(crate) fps: Option<f64>,
     /// Omit the captions: planner, time, speed, outcome
-    #[arg(long)]
+    #[arg(long, requires = "film")]
     pub(crate) no_captions: bool,
 }
 
@@ -126,14 +138,14 @@ pub(crate) struct ReplayArgs {
     /// planner's sensors
     #[arg(long, value_name = "SENSOR,…", value_delimiter = ',')]
     pub(crate) sensors: Option<Vec<String>>,
-    /// Perception profile of the sensors: oracle, onboard, degraded, or a file; default: the run's profile
+    /// Perception profile of the sensors: a name from list profiles, or a file; default: the run's profile
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) perception: Option<String>,
     /// Task to show, e.g. w012/t03
     #[arg(long, value_name = "WORLD/TASK")]
     pub(crate) task: String,
     /// HTML file for the replay; default: a temporary file, opened in the browser
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Write an MCAP file with Foxglove schemas; no HTML replay without --out
     #[arg(long, value_name = "FILE")]

@@ -6,25 +6,27 @@ use clap::{Args, Subcommand};
 use vb_record::LogMode;
 
 use super::values::{log_mode, planner};
-use super::{FormatArgs, JobsArgs};
+use super::{ForceArgs, FormatArgs, JobsArgs, PERCEPTION, PluginArgs, VEHICLE};
 
 #[derive(Debug, Args)]
 pub(crate) struct SubmitArgs {
-    /// Planner: a WASM file, or a native library for the open division
-    #[arg(long, value_name = "FILE", value_parser = planner())]
-    pub(crate) plugin: PathBuf,
+    #[command(flatten)]
+    pub(crate) plugin: PluginArgs,
     /// Directory for the submission
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Finished run of the planner; default: a new run over the suite
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["vehicle", "jobs", "keep_going", "logs"])]
+    /// Continue the run that an interrupted call of submit left as the last runs/PLANNER-N, or begin if there is none
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Finished run of the planner; default: a new run over the suite, in runs/PLANNER-N
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "vehicle", "jobs", "keep_going", "logs"])]
     pub(crate) run: Option<PathBuf>,
     /// Suite: a directory, or the name of a shipped suite; default: vb-100, or the suite of --run
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) suite: Option<PathBuf>,
-    /// Vehicle: a name or a file; default: hmmwv
-    #[arg(long, value_name = "NAME|FILE")]
-    pub(crate) vehicle: Option<String>,
+    /// Vehicle: a name from list vehicles, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = VEHICLE)]
+    pub(crate) vehicle: String,
     /// Disable the early end of a run whose first tasks all fail
     ///
     /// The early end has three causes. In all of the first 20 tasks, the planner fails with the same fault before its first
@@ -32,9 +34,9 @@ pub(crate) struct SubmitArgs {
     /// simulation fails.
     #[arg(long)]
     pub(crate) keep_going: bool,
-    /// Tasks of which the planner's last log lines are recorded: all, failed or none; default: failed
-    #[arg(long, value_name = "all|failed|none", value_parser = log_mode)]
-    pub(crate) logs: Option<LogMode>,
+    /// Tasks of which the planner's last log lines are recorded: all, failed or none
+    #[arg(long, value_name = "all|failed|none", default_value = LogMode::default().name(), value_parser = log_mode)]
+    pub(crate) logs: LogMode,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
     /// Tasks whose traces are included for replays (maximum 20), e.g. w001/t03,w007/t00; default: the first of each outcome
@@ -94,7 +96,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long, conflicts_with = "ranked")]
     pub(crate) allow_native: bool,
     /// File for the verdict; default: verification.json in the submission
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
@@ -102,22 +104,21 @@ pub(crate) struct VerifyArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// Planner: a WASM file
-    #[arg(long, value_name = "FILE", value_parser = planner())]
-    pub(crate) plugin: PathBuf,
+    #[command(flatten)]
+    pub(crate) plugin: PluginArgs,
     /// Hidden suite: a directory
     #[arg(long, value_name = "DIR")]
     pub(crate) suite: PathBuf,
-    /// Vehicle: a name or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    /// Vehicle: a name from list vehicles, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = VEHICLE)]
     pub(crate) vehicle: String,
-    /// Perception profile (maps, sensors and their errors): oracle, onboard, degraded, or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "oracle")]
+    /// Perception profile (maps, sensors and their errors): a name from list profiles, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = PERCEPTION)]
     pub(crate) perception: String,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,
     /// File for the scores, e.g. holdout.json of an accepted submission
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
@@ -134,9 +135,11 @@ pub(crate) struct BuildArgs {
     /// Directory with one folder per accepted submission, each with its verification.json
     #[arg(value_name = "DIR")]
     pub(crate) entries: PathBuf,
-    /// Directory for the site; replaces an earlier site
-    #[arg(long, value_name = "DIR")]
+    /// Directory for the site
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Title of the leaderboard
     #[arg(long, value_name = "TEXT", default_value = "Verti-Bench leaderboard")]
     pub(crate) title: String,

@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Subcommand, ValueEnum};
+use vb_suite_report::validate::{Limits, Vehicle};
 
+use super::exit_codes::resumed;
 use super::values::{planner, positive};
-use super::{FormatArgs, JobsArgs};
+use super::{ForceArgs, FormatArgs, JobsArgs, VEHICLE};
+use crate::error::{HOST_ERRORS, INTERRUPTED};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SuiteCommand {
-    /// List the shipped suites
-    List(SuiteListArgs),
     /// Show the figures of a suite; with --out, write an HTML report with a map of every world
     Show(ShowArgs),
     /// Validate a suite: files, hashes, starts, goals, paths, obstacles, labels
@@ -21,6 +22,7 @@ pub(crate) enum SuiteCommand {
     /// Import the worlds of the original benchmark (its BenchMaps folder)
     Import(ImportArgs),
     /// Generate a suite from a seed
+    #[command(after_help = resumed(&[HOST_ERRORS, INTERRUPTED]))]
     Generate(GenerateArgs),
     /// Make a suite of a real place from an elevation raster
     Site(SiteArgs),
@@ -35,19 +37,15 @@ pub(crate) enum TasksCommand {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct SuiteListArgs {
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct ShowArgs {
     /// Suite: a directory, or the name of a shipped suite
     #[arg(value_name = "NAME|DIR")]
     pub(crate) suite: PathBuf,
     /// Directory for the HTML report (index.html, with a map of every world) and statistics.json
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -58,15 +56,14 @@ pub(crate) struct ValidateArgs {
     #[arg(value_name = "NAME|DIR")]
     pub(crate) suite: PathBuf,
     /// Vehicle that must fit at starts and goals and along paths: a name or a file
-    #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
+    #[arg(long, value_name = "NAME|FILE", default_value = VEHICLE)]
     pub(crate) vehicle: String,
-    /// Minimum distance of paths from obstacles, m; smaller distances are warnings; default: that of the generator's rules
-    #[arg(long, value_name = "METRES", value_parser = length)]
-    pub(crate) clearance: Option<f64>,
-    /// Maximum tilt of the ground under the vehicle, degrees; more is a warning along paths, and an error at starts and goals;
-    /// default: 45
-    #[arg(long, value_name = "DEGREES", value_parser = tilt)]
-    pub(crate) max_tilt: Option<f64>,
+    /// Minimum distance of paths from obstacles, m; smaller distances are warnings
+    #[arg(long, value_name = "METRES", default_value_t = limits().clearance, value_parser = length)]
+    pub(crate) clearance: f64,
+    /// Maximum tilt of the ground under the vehicle, degrees; more is a warning along paths, and an error at starts and goals
+    #[arg(long, value_name = "DEGREES", default_value_t = limits().tilt, value_parser = tilt)]
+    pub(crate) max_tilt: f64,
     /// Treat warnings as errors
     #[arg(long)]
     pub(crate) strict: bool,
@@ -75,6 +72,7 @@ pub(crate) struct ValidateArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("place").required(true)))]
 pub(crate) struct ProveArgs {
     /// Suite: a directory, or the name of a shipped suite
     #[arg(value_name = "NAME|DIR")]
@@ -82,9 +80,12 @@ pub(crate) struct ProveArgs {
     /// Run directories; the first run that solved a task is recorded
     #[arg(value_name = "RUN", required = true)]
     pub(crate) runs: Vec<PathBuf>,
-    /// File for the certificate; default: proof.json in the suite's directory
-    #[arg(long, value_name = "FILE")]
+    /// File for the certificate
+    #[arg(short, long, value_name = "FILE", group = "place")]
     pub(crate) out: Option<PathBuf>,
+    /// Write the certificate to proof.json in the suite's directory, unless the one there proves tasks that these runs don't
+    #[arg(long, group = "place")]
+    pub(crate) in_place: bool,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
@@ -95,7 +96,7 @@ pub(crate) struct ImportArgs {
     #[arg(value_name = "DIR")]
     pub(crate) from: PathBuf,
     /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Terrain to build: as described by paper and labels, or as simulated by the original's code
     #[arg(long, value_name = "GROUND", value_enum, default_value_t)]
@@ -128,7 +129,7 @@ pub(crate) struct DrawnArgs {
     #[arg(long, value_name = "N")]
     pub(crate) seed: u64,
     /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Suite name; default: the directory's name
     #[arg(long, value_name = "NAME")]
@@ -155,7 +156,7 @@ pub(crate) struct GenerateArgs {
     ///
     /// Calibration finds the relief at which the planner of --plugin has the success rates of --targets. --worlds is the number of
     /// worlds per level, preferably a multiple of 10. The seed must be one for training worlds. --out receives params.yaml
-    /// (--params with the new relief), calibration.json and all runs. The same command resumes an interrupted calibration.
+    /// (--params with the new relief), calibration.json and all runs.
     #[arg(long, value_name = "VEHICLE", requires = "plugin")]
     pub(crate) calibrate: Option<String>,
     #[command(flatten)]
@@ -167,8 +168,12 @@ pub(crate) struct CalibrationArgs {
     /// Planner for --calibrate: a WASM file, a native library, or a command
     #[arg(long, value_name = "FILE|COMMAND", value_parser = planner(), requires = "calibrate")]
     pub(crate) plugin: Option<PathBuf>,
-    /// Parameter of this planner; may be repeated; default: speed=5
-    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = super::values::key_value, requires = "calibrate")]
+    /// Continue an interrupted calibration in --out, or begin if nothing is there
+    #[arg(long, requires = "calibrate")]
+    pub(crate) resume: bool,
+    // The speed that the traversal times of the paper's PID imply, m/s.
+    /// Parameter of this planner; may be repeated
+    #[arg(long = "param", value_name = "KEY=VALUE", default_value = "speed=5", value_parser = super::values::key_value, requires = "calibrate")]
     pub(crate) plugin_params: Vec<(String, String)>,
     /// Target success rates of low, medium and high tasks, %; the default is that of PID in the paper
     #[arg(long, value_name = "LOW,MEDIUM,HIGH", default_value = "86,50,8", value_parser = percentages)]
@@ -190,7 +195,7 @@ pub(crate) struct SiteArgs {
     #[arg(value_name = "RASTER")]
     pub(crate) raster: PathBuf,
     /// Directory for the suite
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Distance between the raster's samples, m; default: from the file
     #[arg(long, value_name = "M", value_parser = positive)]
@@ -210,9 +215,9 @@ pub(crate) struct SiteArgs {
     /// Coordinate reference system of the raster, e.g. EPSG:32632; default: from the file
     #[arg(long, value_name = "EPSG:CODE", value_parser = system, allow_hyphen_values = true)]
     pub(crate) crs: Option<vb_terrain::crs::Crs>,
-    /// Centre of the single world, m east and north of the raster's middle; default: 0,0
-    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
-    pub(crate) at: Option<[f64; 2]>,
+    /// Centre of the single world, m east and north of the raster's middle
+    #[arg(long, value_name = "X,Y", default_value = "0,0", value_parser = pair, allow_hyphen_values = true)]
+    pub(crate) at: [f64; 2],
     /// Make as many adjacent worlds as fit
     #[arg(long, conflicts_with = "at")]
     pub(crate) tiles: bool,
@@ -243,6 +248,11 @@ pub(crate) struct TestbedArgs {
     /// Rules of the beds; default: tasks/generator/testbed.yaml
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
+}
+
+/// The limits of a validation, which are those of any vehicle.
+fn limits() -> Limits {
+    Limits::of(Vehicle { length: 0.0, width: 0.0 })
 }
 
 /// Two numbers, x and y.
@@ -296,10 +306,11 @@ fn tilt(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// Suite: a directory, or the name of a shipped suite; default: vb-100
-    #[arg(long, value_name = "NAME|DIR")]
-    pub(crate) suite: Option<PathBuf>,
-    /// Tasks to list ("," is OR, ":" is AND), e.g. w001-w004,w007/t03 or elevation=high:terrain=rigid; default: all
+    /// Suite: a directory, or the name of a shipped suite
+    #[arg(long, value_name = "NAME|DIR", default_value = vb_catalog::DEFAULT_SUITE)]
+    pub(crate) suite: PathBuf,
+    /// Tasks to list, e.g. w001-w004,w007/t03 or elevation=high,terrain=rigid (different keys must hold together, values of one key
+    /// are alternatives); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
     #[command(flatten)]

@@ -5,16 +5,20 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use vb_world::Shard;
 
+use super::exit_codes::{codes, resumed};
 use super::values::shard;
-use super::{FormatArgs, JobsArgs};
+use super::{FormatArgs, JobsArgs, ResumeArgs};
+use crate::error::{FAILED_START, HOST_ERRORS, INCOMPLETE, INTERRUPTED, SIM_ERRORS};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SweepCommand {
-    /// Run all unfinished runs of a sweep
+    /// Run all runs of a sweep, or with --resume those that are not finished
+    #[command(after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]))]
     Run(SweepRunArgs),
     /// Print the progress of each run of a sweep
     Status(SweepArgs),
     /// Join the shards of complete runs, and compare all runs in HTML reports and tables
+    #[command(after_help = codes(&[INCOMPLETE]))]
     Report(SweepArgs),
 }
 
@@ -25,7 +29,7 @@ pub(crate) struct SweepArgs {
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Directory for the runs of the sweep
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
@@ -35,10 +39,11 @@ pub(crate) struct SweepArgs {
 pub(crate) struct SweepRunArgs {
     #[command(flatten)]
     pub(crate) sweep: SweepArgs,
+    #[command(flatten)]
+    pub(crate) resume: ResumeArgs,
     /// Run one shard of all runs, e.g. 3/8 for the third of eight
     ///
-    /// With auto, shard and number of shards come from the job array of Slurm, Kubernetes or AWS Batch. The same command resumes an
-    /// interrupted shard.
+    /// With auto, shard and number of shards come from the job array of Slurm, Kubernetes or AWS Batch.
     #[arg(long, value_name = "I/N|auto", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
     #[command(flatten)]

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::exit_codes::codes;
 use super::values::positive;
+use crate::error::INTERRUPTED;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum TerrainCommand {
     /// Train a terrain model on a folder of elevation data; train --help lists its options
-    #[command(disable_help_flag = true)]
+    #[command(disable_help_flag = true, override_usage = "vb-harness terrain train <OPTIONS>...", after_help = codes(&[INTERRUPTED]))]
     Train(TrainArgs),
     /// Generate a surface from a terrain model
     Generate(SurfaceArgs),
@@ -44,7 +46,7 @@ pub(crate) struct SurfaceArgs {
     #[arg(long, value_name = "LEVEL", value_enum, default_value_t)]
     pub(crate) level: Level,
     /// File for the heights: a NumPy array (.npy), m, or a 16-bit picture (.png), scaled to their range
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// File for a hill-shaded picture
     #[arg(long, value_name = "PNG")]

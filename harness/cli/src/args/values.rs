@@ -16,12 +16,6 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "want a number above 0".into())
 }
 
-/// A number that isn't below 0.
-pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
-    value.ok_or_else(|| "want a number that is not below 0".into())
-}
-
 /// Columns and rows of pixels.
 pub(super) fn frame_size(text: &str) -> Result<[u32; 2], String> {
     let side = |t: &str| t.parse::<u32>().ok().filter(|n| (64..=vb_render::Size::MAX).contains(n));
@@ -77,12 +71,38 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "want a number or a fraction from 1/100 to 10, e.g. 1, 1/6 or 1/10".into())
 }
 
-/// A step in milliseconds, of which a whole number makes the time between two samples; returns seconds.
+/// A time in seconds, or with the unit `ms`, `s`, `min` or `h`; returns seconds.
+fn seconds(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let number = digits.trim_end().parse::<f64>().ok().filter(|v| v.is_finite())?;
+    match &text[digits.len()..] {
+        "" | "s" => Some(number),
+        "ms" => Some(number / 1000.0),
+        "min" => Some(number * 60.0),
+        "h" => Some(number * 3600.0),
+        _ => None,
+    }
+}
+
+/// How times are written, for messages.
+const TIMES: &str = "in seconds or with a unit, e.g. 8, 0.5s, 5ms, 2min or 10h";
+
+/// A moment: a time that isn't below 0, s.
+pub(super) fn moment(text: &str) -> Result<f64, String> {
+    seconds(text).filter(|v| *v >= 0.0).ok_or_else(|| format!("want a time that is not below 0, {TIMES}"))
+}
+
+/// A duration: a time above 0, s.
+pub(super) fn duration(text: &str) -> Result<f64, String> {
+    seconds(text).filter(|v| *v > 0.0).ok_or_else(|| format!("want a time above 0, {TIMES}"))
+}
+
+/// A step of the simulation, of which a whole number makes the time between two samples, s.
 pub(super) fn time_step(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse::<f64>().ok().map(|ms| 1e-3 * ms);
-    value
-        .filter(|seconds| vb_trial::is_time_step(*seconds))
-        .ok_or_else(|| "want milliseconds from 0.1 to 5 that divide 10, e.g. 0.5".into())
+    seconds(text).filter(|v| vb_trial::is_time_step(*v)).ok_or_else(|| {
+        "want a time from 0.1ms to 5ms that divides 10ms, e.g. 0.5ms or 0.0005 (seconds)".into()
+    })
 }
 
 /// A length in metres that a soil's memory can have.
@@ -132,9 +152,32 @@ mod tests {
         assert_eq!((nodes("129"), nodes("200x100")), (Ok((129, 129)), Ok((200, 100))));
         assert!(nodes("").is_err() && nodes("3x").is_err() && nodes("-1").is_err());
         assert!(positive("0").is_err() && positive("inf").is_err() && positive("0.5") == Ok(0.5));
+        assert_eq!((time_step("0.5ms"), time_step("0.002")), (Ok(0.0005), Ok(0.002)));
+        assert!(time_step("1").is_err() && time_step("3ms").is_err() && time_step("0").is_err());
         assert_eq!(trace_mode("10hz"), Ok(TraceMode::TenHz));
         assert!(trace_mode("20hz").is_err());
         assert_eq!(log_mode("all"), Ok(LogMode::All));
         assert!(log_mode("some").is_err());
+    }
+
+    #[test]
+    fn times_are_seconds_or_have_a_unit() {
+        for (text, wanted) in [
+            ("8", 8.0),
+            ("0.5s", 0.5),
+            ("5ms", 0.005),
+            ("1 s", 1.0),
+            ("0.5min", 30.0),
+            ("10h", 36_000.0),
+            ("1e3ms", 1.0),
+        ] {
+            assert_eq!(duration(text), Ok(wanted), "{text}");
+        }
+        for text in ["", "s", "-1", "0", "5 m", "5sec", "5MS", "inf", "nan", "1s2ms", "0ms"] {
+            let e = duration(text).unwrap_err();
+            assert!(e.starts_with("want a time above 0, in seconds or with a unit"), "{text}: {e}");
+        }
+        assert_eq!((moment("0"), moment("2ms")), (Ok(0.0), Ok(0.002)));
+        assert!(moment("-1ms").is_err());
     }
 }

@@ -2,20 +2,25 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand};
 
-use super::{FormatArgs, JobsArgs};
+use super::exit_codes::codes;
+use super::values::duration;
+use super::{ForceArgs, FormatArgs, JobsArgs, TIME_STEP};
+use crate::error::CHECKS_FAILED;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum VehicleCommand {
-    /// List the shipped vehicles
-    List(VehicleListArgs),
     /// Show a vehicle's data, and draw it
     Show(VehicleShowArgs),
     /// Validate all values of a vehicle file
     #[command(alias = "check")]
     Validate(VehicleArgs),
     /// Drive a vehicle through standard events, and compare it with theory, published figures and Project Chrono
+    #[command(
+        after_help = codes(&[CHECKS_FAILED]),
+        mut_arg("jobs", |arg| arg.help("Number of events that are driven in parallel; default: number of cores"))
+    )]
     Test(VehicleTestArgs),
 }
 
@@ -24,12 +29,6 @@ pub(crate) struct VehicleArgs {
     /// Vehicle: a name or a file
     #[arg(value_name = "NAME|FILE")]
     pub(crate) vehicle: String,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct VehicleListArgs {
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
 }
 
 #[derive(Debug, Args)]
@@ -45,13 +44,16 @@ pub(crate) struct VehicleShowArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("what").required(true)))]
 pub(crate) struct VehicleTestArgs {
     /// Vehicle: a name or a file
-    #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
+    #[arg(value_name = "NAME|FILE", group = "what")]
     pub(crate) vehicle: Option<String>,
     /// Directory for report.html, results.json and the time series; default: runs/test-VEHICLE-N
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Tyre to fit, by its name in the vehicle file, e.g. rigid; drives in a reference's set-up don't depend on it
     #[arg(long, value_name = "NAME")]
     pub(crate) tyre: Option<String>,
@@ -59,14 +61,13 @@ pub(crate) struct VehicleTestArgs {
     #[arg(long = "event", value_name = "NAME")]
     pub(crate) events: Vec<String>,
     /// List the events and exit
-    #[arg(long)]
+    #[arg(long, group = "what")]
     pub(crate) list: bool,
     /// Reference figures in addition to theory; default: tasks/validation/VEHICLE.yaml, if it exists
     #[arg(long, value_name = "FILE")]
     pub(crate) references: Option<PathBuf>,
-    /// Simulation step, ms
-    // --step is what it was called before it had the name that it has in a run.
-    #[arg(long, alias = "step", value_name = "MS", default_value_t = 1.0)]
+    /// Simulation step, s or with a unit (0.01ms to 10ms)
+    #[arg(long, value_name = "TIME", default_value_t = TIME_STEP, value_parser = duration)]
     pub(crate) time_step: f64,
     #[command(flatten)]
     pub(crate) jobs: JobsArgs,

@@ -12,7 +12,7 @@ use vb_score::{Outcome, Rules, TaskRecord};
 use vb_trial::Setting;
 use vb_world::Suite;
 
-use super::{Told, Total, failure, finish, named, scene};
+use super::{Told, Total, finish, named, scene};
 use crate::args::FailuresArgs;
 use crate::error::CliError;
 use crate::{places, replay, run};
@@ -25,21 +25,21 @@ pub(super) fn failures(args: &FailuresArgs) -> Result<(), CliError> {
 }
 
 fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
-    let dataset = Dataset::open_whole(&args.of).map_err(|e| failure(&e))?;
-    dataset.must_not_hold(&args.out).map_err(|e| failure(&e))?;
+    let dataset = Dataset::open_whole(&args.of)?;
+    dataset.must_not_hold(&args.out)?;
     let before = dataset.header();
-    let of = json!({"name": before.name, "hash": dataset.hash().map_err(|e| failure(&e))?});
+    let of = json!({"name": before.name, "hash": dataset.hash()?});
     let header = Header {
         name: args.name.clone().unwrap_or_else(|| format!("failures-of-{}", before.name)),
         kind: Kind::Failures,
         command: scene::command(),
-        options: [("of".to_owned(), of), ("seconds".to_owned(), json!(args.seconds))].into(),
+        options: [("of".to_owned(), of), ("seconds".to_owned(), json!(args.duration))].into(),
         ..before.clone()
     };
-    let worlds = dataset.worlds().map_err(|e| failure(&e))?;
-    let frames = (args.seconds * f64::from(before.hz)).ceil() as usize;
+    let worlds = dataset.worlds()?;
+    let frames = (args.duration * f64::from(before.hz)).ceil() as usize;
     let mut writer = begin(args, header, &worlds, frames)?;
-    if vb_dataset::failures(&dataset, &mut writer, args.seconds).map_err(|e| failure(&e))? == 0 {
+    if vb_dataset::failures(&dataset, &mut writer, args.duration)? == 0 {
         return Err(CliError::input(format!("{}: no episode of it failed", args.of.display())));
     }
     finish(writer, true, &args.out, args.format.get())
@@ -103,18 +103,17 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
         exploration: None,
         planners: vec![planner],
         of_a_suite,
-        options: [("seconds".to_owned(), json!(args.seconds))].into(),
+        options: [("seconds".to_owned(), json!(args.duration))].into(),
     };
-    let frames = (args.seconds * f64::from(HZ)).ceil() as usize;
+    let frames = (args.duration * f64::from(HZ)).ceil() as usize;
     let mut writer = begin(args, own, &suite, frames)?;
     let cancel = run::stop_on_ctrl_c()?;
     let jobs = args.jobs.get();
     let stack_bytes = Limits::default().thread_stack_bytes();
     let making = Making { setting: &setting, worlds: &suite, hz: HZ, jobs, stack_bytes, cancel: &cancel };
     let mut told = Told::new(args.format.get(), Total::Drives(records.len()), HZ);
-    let done = making
-        .failures_again(&mut writer, &reader, &records, args.seconds, &mut |p| told.progress(p))
-        .map_err(|e| failure(&e))?;
+    let done =
+        making.failures_again(&mut writer, &reader, &records, args.duration, &mut |p| told.progress(p))?;
     if !done {
         return Err(CliError::interrupted("stopped, and nothing is kept (the same command begins anew)"));
     }
@@ -129,7 +128,7 @@ fn begin(
     frames: usize,
 ) -> Result<DatasetWriter, CliError> {
     let folder = NewFolder::new(&args.out).map_err(CliError::output)?;
-    DatasetWriter::create_whole(folder, header, worlds, frames).map_err(|e| failure(&e))
+    Ok(DatasetWriter::create_whole(folder, header, worlds, frames)?)
 }
 
 /// Whether the worlds are in no suite that comes with the harness.
@@ -138,7 +137,7 @@ fn suites_apart(suite: &Suite) -> Result<(), CliError> {
     for dir in places::catalog().suites()? {
         others.push(Suite::open(dir).map_err(CliError::input)?);
     }
-    keep_apart(suite, &others).map_err(|e| failure(&e))
+    Ok(keep_apart(suite, &others)?)
 }
 
 /// What a run's trials have in common, with the data at hand if they are those of the run.
@@ -165,5 +164,5 @@ fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError>
     let rules =
         Rules::recorded(header).map_err(|e| CliError::input(format!("{}: rules: {e}", args.of.display())))?;
     Setting::new(&vehicle, &soils, &rules, &perception, header.time_step, header.scale, header.seed)
-        .map_err(|e| run::run_error(e.into()))
+        .map_err(CliError::from)
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use vb_dataset::Dataset;
 use vb_world::Suite;
 
-use super::{failure, scene, tell};
+use super::{scene, tell};
 use crate::args::{DatasetValidateArgs, MergeArgs, MessageFormat, SplitArgs};
 use crate::error::CliError;
 use crate::{output, places};
@@ -22,7 +22,7 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
     for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
         suites.push(Suite::open(dir).map_err(CliError::input)?);
     }
-    let findings = vb_dataset::validate(&args.dataset, &suites).map_err(|e| failure(&e))?.0;
+    let findings = vb_dataset::validate(&args.dataset, &suites)?.0;
     match args.format.get() {
         MessageFormat::Json => {
             output::json(&Message::Validated { dataset: &args.dataset, findings: &findings });
@@ -51,21 +51,21 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
 pub(super) fn merge(args: &MergeArgs) -> Result<(), CliError> {
     let mut datasets = Vec::new();
     for dir in &args.datasets {
-        datasets.push(Dataset::open_whole(dir).map_err(|e| failure(&e))?);
+        datasets.push(Dataset::open_whole(dir)?);
     }
     let merged = vb_dataset::merge(&datasets, &args.out, args.name.as_deref(), scene::command());
-    tell(&merged.map_err(|e| failure(&e))?, &args.out, args.format.get());
+    tell(&merged?, &args.out, args.format.get());
     match vb_dataset::repeated(&datasets) {
         0 => {}
-        n => output::note(&format!("{n} episodes are in several of the datasets, and count as often")),
+        n => output::say(&format!("{n} episodes are in several of the datasets, and count as often")),
     }
     Ok(())
 }
 
 pub(super) fn split(args: &SplitArgs) -> Result<(), CliError> {
-    let dataset = Dataset::open_whole(&args.dataset).map_err(|e| failure(&e))?;
+    let dataset = Dataset::open_whole(&args.dataset)?;
     let parts = vb_dataset::split(&dataset, &args.parts, args.seed, &args.out, &scene::command());
-    let parts = parts.map_err(|e| failure(&e))?;
+    let parts = parts?;
     for (part, finished) in args.parts.iter().zip(&parts) {
         tell(finished, &args.out.join(&part.name), args.format.get());
     }

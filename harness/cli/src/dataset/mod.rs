@@ -10,8 +10,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_dataset::{
-    Amount, DatasetError, DatasetWriter, Exploration, Finished, Header, Kept, Kind, Planner, PlannerHeader,
-    Progress,
+    Amount, DatasetWriter, Exploration, Finished, Header, Kept, Kind, Planner, PlannerHeader, Progress,
 };
 use vb_host::{Limits, Plugin};
 use vb_record::DataHeader;
@@ -43,7 +42,7 @@ impl DatasetCommand {
 fn explore(args: &ExploreArgs) -> Result<(), CliError> {
     let exploration = Exploration::resolve(&args.exploration).map_err(CliError::input)?;
     let rules = Rules::resolve("exploration").map_err(CliError::internal)?;
-    let frames = args.hours * 3600.0 * f64::from(args.scene.hz);
+    let frames = args.duration * f64::from(args.scene.hz);
     let (amount, shown) = match args.episodes {
         Some(n) => (Amount::Episodes(n as usize), Total::Episodes(n as usize)),
         None => (Amount::Frames(frames.ceil() as usize), Total::Frames(frames.ceil() as usize)),
@@ -55,9 +54,8 @@ fn explore(args: &ExploreArgs) -> Result<(), CliError> {
     let mut told = Told::new(args.scene.format.get(), shown, args.scene.hz);
     let cancel = run::stop_on_ctrl_c()?;
     let done = scene
-        .making(&cancel)
-        .explore(&mut writer, &exploration, amount, &mut |p| told.progress(p))
-        .map_err(|e| failure(&e))?;
+        .making(&cancel, args.jobs)
+        .explore(&mut writer, &exploration, amount, &mut |p| told.progress(p))?;
     finish(writer, done, &args.scene.out, args.scene.format.get())
 }
 
@@ -69,7 +67,7 @@ fn worlds_for(args: &ExploreArgs) -> u32 {
     const LENGTH_S: f64 = 18.0;
     /// Enough for the parts of a split.
     const LEAST: u32 = 10;
-    let episodes = args.episodes.map_or(args.hours * 3600.0 / LENGTH_S, f64::from);
+    let episodes = args.episodes.map_or(args.duration / LENGTH_S, f64::from);
     ((episodes / EPISODES).ceil().min(f64::from(ALL_WORLDS)) as u32).max(LEAST)
 }
 
@@ -94,8 +92,8 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
             )));
         }
         let (setting, metadata) = (&scene.setting, plugin.metadata());
-        check_control_period(metadata, setting.options.step).map_err(run::run_error)?;
-        check_perception(&plugin, &setting.perception).map_err(run::run_error)?;
+        check_control_period(metadata, setting.options.step)?;
+        check_perception(&plugin, &setting.perception)?;
         let params = plugin.params(&args.params).map_err(CliError::usage)?;
         asked.push(wants(&plugin, &setting.perception, params));
         plugins.push(plugin);
@@ -122,25 +120,9 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
         Told::new(args.scene.format.get(), Total::Drives(planners.len() * tasks.len()), args.scene.hz);
     let cancel = run::stop_on_ctrl_c()?;
     let done = scene
-        .making(&cancel)
-        .drive(&mut writer, &planners, &tasks, kept, &mut |p| told.progress(p))
-        .map_err(|e| failure(&e))?;
+        .making(&cancel, args.jobs)
+        .drive(&mut writer, &planners, &tasks, kept, &mut |p| told.progress(p))?;
     finish(writer, done, &args.scene.out, args.scene.format.get())
-}
-
-/// The exit code of an error of datasets.
-fn failure(e: &DatasetError) -> CliError {
-    match e {
-        DatasetError::Io { action: "read", .. } => CliError::input(e),
-        DatasetError::Io { .. }
-        | DatasetError::NotEmpty { .. }
-        | DatasetError::Within { .. }
-        | DatasetError::Other { .. } => CliError::output(e),
-        DatasetError::Record(record) if record.is_of_output() => CliError::output(e),
-        DatasetError::Rate { .. } | DatasetError::Parts { .. } => CliError::usage(e),
-        DatasetError::Encode { .. } => CliError::internal(e),
-        _ => CliError::input(e),
-    }
 }
 
 #[derive(Serialize)]
@@ -196,11 +178,11 @@ impl Told {
 fn finish(writer: DatasetWriter, done: bool, out: &Path, format: MessageFormat) -> Result<(), CliError> {
     if !done {
         return Err(CliError::interrupted(format!(
-            "stopped after {} episodes (go on with the same command and --resume)",
+            "stopped after {} episodes (continue with the same command and --resume)",
             writer.episodes()
         )));
     }
-    tell(&writer.finish().map_err(|e| failure(&e))?, out, format);
+    tell(&writer.finish()?, out, format);
     Ok(())
 }
 

@@ -10,20 +10,28 @@ use vb_score::Rules;
 use vb_trial::Setting;
 use vb_world::Suite;
 
-use super::{failure, named};
-use crate::args::SceneArgs;
+use super::named;
+use crate::args::{JobsArgs, SOIL_RESOLUTION, SceneArgs, TIME_STEP};
 use crate::error::CliError;
-use crate::{places, run, suite};
+use crate::{places, suite};
 
-/// The time step of the simulation, s.
-const TIME_STEP: f64 = 0.001;
-/// The side of the cells in which soil remembers ruts, m.
-const SOIL_RESOLUTION: f64 = 0.1;
 /// Training worlds that cover all combinations of relief, terrain and obstacles equally.
 pub(super) const ALL_WORLDS: u32 = 90;
 /// Options that change nothing of what a dataset has, and whether a value follows them.
-const ELSEWHERE: [(&str, bool); 5] =
-    [("--out", true), ("--jobs", true), ("--resume", false), ("--json", false), ("--message-format", true)];
+const ELSEWHERE: [(&str, bool); 12] = [
+    ("--out", true),
+    ("-o", true),
+    ("--jobs", true),
+    ("-j", true),
+    ("--resume", false),
+    ("--json", false),
+    ("--message-format", true),
+    ("--quiet", false),
+    ("-q", false),
+    ("--verbose", false),
+    ("-v", false),
+    ("--color", true),
+];
 
 pub(super) struct Scene<'a> {
     args: &'a SceneArgs,
@@ -45,17 +53,16 @@ impl<'a> Scene<'a> {
         let soils = places::catalog().soils(&args.soils, SOIL_RESOLUTION)?;
         let perception = places::catalog().perception(&args.perception)?;
         let worlds = match &args.suite {
-            Some(dir) => suite::open(Some(dir))?,
+            Some(dir) => suite::open(dir)?,
             None => suite::training(args.world_seed, args.worlds.unwrap_or(worlds))?,
         };
         let mut others = Vec::new();
         for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
             others.push(Suite::open(dir).map_err(CliError::input)?);
         }
-        keep_apart(&worlds, &others).map_err(|e| failure(&e))?;
+        keep_apart(&worlds, &others)?;
         let scale = args.scale.unwrap_or(vehicle.spec.scale);
-        let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, args.seed)
-            .map_err(|e| run::run_error(e.into()))?;
+        let setting = Setting::new(&vehicle, &soils, &rules, &perception, TIME_STEP, scale, args.seed)?;
         Ok(Self {
             args,
             worlds,
@@ -105,12 +112,12 @@ impl<'a> Scene<'a> {
     /// Begins the dataset, or goes on with it.
     pub(super) fn writer(&self, header: Header) -> Result<DatasetWriter, CliError> {
         let frames = self.setting.rules.time_limit(self.setting.scale) * f64::from(header.hz);
-        let begin = if self.args.resume { DatasetWriter::resume } else { DatasetWriter::create };
-        begin(&self.args.out, header, &self.worlds, frames.ceil() as usize).map_err(|e| failure(&e))
+        let begin = if self.args.resume.resume { DatasetWriter::resume } else { DatasetWriter::create };
+        Ok(begin(&self.args.out, header, &self.worlds, frames.ceil() as usize)?)
     }
 
-    pub(super) fn making(&self, cancel: &'a AtomicBool) -> Making<'_> {
-        let jobs = self.args.jobs.get();
+    pub(super) fn making(&self, cancel: &'a AtomicBool, jobs: JobsArgs) -> Making<'_> {
+        let jobs = jobs.get();
         let stack_bytes = Limits::default().thread_stack_bytes();
         Making { setting: &self.setting, worlds: &self.worlds, hz: self.args.hz, jobs, stack_bytes, cancel }
     }
@@ -122,9 +129,12 @@ pub(super) fn command() -> Vec<String> {
     let mut args = std::env::args_os().skip(1).map(|a| PathBuf::from(a).display().to_string());
     while let Some(arg) = args.next() {
         let elsewhere = ELSEWHERE.iter().find(|(name, _)| arg.split('=').next() == Some(name));
+        // A value may follow the short name of an option at once, as in -j4.
+        let has_value = ["-o", "-j"].iter().any(|short| arg.starts_with(short));
         match elsewhere {
             Some((_, true)) if !arg.contains('=') => drop(args.next()),
             Some(_) => {}
+            None if has_value => {}
             None => kept.push(arg),
         }
     }

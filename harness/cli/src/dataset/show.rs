@@ -11,7 +11,6 @@ use vb_replay::{Link, Links};
 use vb_vehicle::VehicleModel;
 use vb_world::{Suite, World};
 
-use super::failure;
 use crate::args::{DatasetMcapArgs, DatasetShowArgs};
 use crate::error::CliError;
 use crate::{output, places, replay};
@@ -42,8 +41,8 @@ impl Worlds {
 }
 
 fn open(dir: &Path) -> Result<(Dataset, Worlds), CliError> {
-    let dataset = Dataset::open(dir).map_err(|e| failure(&e))?;
-    let suite = dataset.worlds().map_err(|e| failure(&e))?;
+    let dataset = Dataset::open(dir)?;
+    let suite = dataset.worlds()?;
     let worlds = Worlds { suite, scale: dataset.header().scale, loaded: BTreeMap::new() };
     Ok((dataset, worlds))
 }
@@ -83,7 +82,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         Ok(vehicle) => Some(vehicle),
         Err(e) if args.vehicle.is_some() => return Err(e),
         Err(e) => {
-            output::note(&format!("{e}: there are no replays"));
+            output::say(&format!("{e}: there are no replays"));
             None
         }
     };
@@ -97,6 +96,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
             })?
             .keep(),
     };
+    output::must_not_replace(&out.join("index.html"), args.force)?;
     output::create_dir(&out)?;
     let chosen = examples(&dataset, args.clips);
     if vehicle.is_some() && !chosen.is_empty() {
@@ -104,7 +104,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
     }
     let (mut figures, mut clips) = (Figures::default(), Vec::new());
     for (index, episode) in dataset.episodes().enumerate() {
-        let episode = episode.map_err(|e| failure(&e))?;
+        let episode = episode?;
         let world = worlds.load(&episode.info.world)?;
         figures.add(dataset.features(), &episode, &world);
         if !chosen.contains(&index) {
@@ -122,7 +122,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         }
         clips.push(Clip::new(&dataset, index, &episode, &world, replay));
     }
-    let hash = dataset.hash().map_err(|e| failure(&e))?;
+    let hash = dataset.hash()?;
     let overview = Overview { header: dataset.header(), hash: &hash, figures: &figures, clips: &clips };
     let index = out.join("index.html");
     output::write(&index, overview.html())?;
@@ -130,7 +130,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
         let (episodes, clips) = (figures.episodes, clips.len());
         output::json(&json!({"event": "shown", "page": index, "episodes": episodes, "clips": clips}));
     } else {
-        output::note(&format!("wrote {}", index.display()));
+        output::say(&format!("wrote {}", index.display()));
     }
     if args.out.is_none() {
         replay::open(&index);
@@ -151,10 +151,11 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
     let all = vec![0..=count.saturating_sub(1)];
     let ranges = if args.episodes.is_empty() { &all } else { &args.episodes };
     let chosen: BTreeSet<usize> = ranges.iter().cloned().flatten().collect();
+    output::must_be_empty(&args.out, args.force)?;
     output::create_dir(&args.out)?;
     let mut files: Vec<PathBuf> = Vec::new();
     for (index, episode) in chosen.iter().zip(dataset.select(chosen.iter().copied())) {
-        let episode = episode.map_err(|e| failure(&e))?;
+        let episode = episode?;
         let world = worlds.load(&episode.info.world)?;
         let path = args.out.join(file(*index, "mcap"));
         output::mcap(&path, &clip(&dataset, *index, &episode, &world, &vehicle))?;
@@ -163,7 +164,7 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
     if args.format.is_json() {
         output::json(&json!({"event": "written", "files": files}));
     } else {
-        output::note(&format!("wrote {} files to {}", files.len(), args.out.display()));
+        output::say(&format!("wrote {} files to {}", files.len(), args.out.display()));
     }
     Ok(())
 }

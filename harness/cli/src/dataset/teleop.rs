@@ -13,9 +13,9 @@ use vb_teleop::{Ask, CONTROL_PERIOD, Live, PersonDriver, Server, Wheel};
 use vb_trial::Wants;
 use vb_world::TaskRef;
 
+use super::finish;
 use super::scene::Scene;
-use super::{failure, finish};
-use crate::args::TeleopArgs;
+use crate::args::{JobsArgs, TeleopArgs};
 use crate::error::CliError;
 use crate::{output, replay, run, suite};
 
@@ -45,7 +45,7 @@ pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
     if args.scene.format.is_json() {
         output::json(&Message::Serving { address: &address });
     } else {
-        output::note(&format!("drive at {address} (Ctrl-C ends it)"));
+        output::say(&format!("drive at {address} (Ctrl-C ends it)"));
     }
     if !args.no_browser {
         replay::open(std::path::Path::new(&address));
@@ -113,7 +113,7 @@ impl Seat<'_> {
         let (features, index) = (self.writer.features().to_vec(), self.writer.next_drive());
         let motion = self.server.motion();
         let mut driver = PersonDriver::new(self.wheel.clone(), Arc::clone(&end));
-        let making: Making<'_> = self.scene.making(&end);
+        let making: Making<'_> = self.scene.making(&end, JobsArgs { jobs: Some(1) });
         let model = &self.scene.setting.model;
         // The person drives on a thread of its own, while this one listens to the page.
         let (episode, asked) = std::thread::scope(|scope| {
@@ -134,11 +134,11 @@ impl Seat<'_> {
             (driving.join(), asked)
         });
         let episode = episode.map_err(|_| CliError::internal("the drive panicked; please report it"))?;
-        let Some(episode) = episode.map_err(|e| failure(&e))? else { return Ok(asked) };
+        let Some(episode) = episode? else { return Ok(asked) };
         // Who resets, or starts anew on the way, gives the drive up; who closes the page doesn't.
         let given_up = episode.info.outcome == ENDED && matches!(asked, Some(Ask::Reset | Ask::Start(_)));
         if !given_up && episode.frames > 0 {
-            self.writer.add(&episode).and_then(|()| self.writer.save()).map_err(|e| failure(&e))?;
+            self.writer.add(&episode).and_then(|()| self.writer.save())?;
         }
         let episodes = self.writer.episodes();
         let info = &episode.info;

@@ -18,10 +18,10 @@ pub(crate) fn install(args: &InstallArgs) -> Result<(), CliError> {
         let installed = copy(file, &folder).map_err(|e| {
             CliError::output(format!("{}: can't install {}: {e}", folder.display(), file.display()))
         })?;
-        output::note(&installed);
+        output::say(&installed);
     }
     if let Some(named) = std::env::var_os(vb_catalog::PLUGINS_VAR).filter(|v| !v.is_empty()) {
-        output::note(&format!(
+        output::say(&format!(
             "note: {} names {}, and planners are looked for nowhere else",
             vb_catalog::PLUGINS_VAR,
             Path::new(&named).display()

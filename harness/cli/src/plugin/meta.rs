@@ -50,7 +50,7 @@ pub(super) fn read(file: &Path) -> Result<Metadata, CliError> {
 }
 
 fn parse(text: &str) -> Result<Metadata, String> {
-    let document: Document = vb_world::yaml::parse(text).map_err(|e| e.to_string())?;
+    let document: Document = vb_files::yaml::parse(text).map_err(|e| e.to_string())?;
     let Document { name, version, authors, about, control_period, params, needs, needs_without_maps, models } =
         document;
     if !metadata::is_name(&name) {

@@ -25,9 +25,10 @@ pub(crate) fn stamp(args: &StampArgs) -> Result<(), CliError> {
     let bytes =
         vb_files::read(file, vb_files::DATA).map_err(|e| input(format!("can't read the plugin: {e}")))?;
     let stamped = with_section(&bytes, metadata.to_text().as_bytes()).map_err(input)?;
+    // Else in place: clap demands one of both.
     let out = args.out.as_deref().unwrap_or(file);
     replace(out, &stamped)?;
-    output::note(&format!(
+    output::say(&format!(
         "{}: {} {}, planner ABI {}",
         out.display(),
         metadata.name,
@@ -154,7 +155,7 @@ mod tests {
         let path = |name: &str| dir.path().join(name);
         std::fs::write(path("p.wasm"), file).unwrap();
         std::fs::write(path("meta.yaml"), meta).unwrap();
-        let args = StampArgs { file: path("p.wasm"), meta: path("meta.yaml"), out: None };
+        let args = StampArgs { file: path("p.wasm"), meta: path("meta.yaml"), out: None, in_place: true };
         let result = stamp(&args).map_err(|e| e.to_string());
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 2, "nothing else is left in the folder");
         (result, std::fs::read(path("p.wasm")).unwrap())

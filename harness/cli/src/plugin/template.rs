@@ -139,7 +139,7 @@ mod tests {
     fn the_workflow_runs_the_commands_of_the_readme() {
         for language in Language::value_variants() {
             let files = files(*language, "swift-fox", "path = \"/sdk\"");
-            let workflow: serde_json::Value = vb_world::yaml::parse(text(&files, WORKFLOW)).unwrap();
+            let workflow: serde_json::Value = vb_files::yaml::parse(text(&files, WORKFLOW)).unwrap();
             let steps = workflow["jobs"]["planner"]["steps"].as_array().unwrap();
             let run: Vec<&str> = steps.iter().filter_map(|s| s["run"].as_str()).collect();
             let readme = text(&files, "README.md");

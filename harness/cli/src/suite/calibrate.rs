@@ -1,7 +1,7 @@
 //! `vb-harness suite generate --calibrate`: the relief of each level with which a planner completes given fractions of the tasks.
 //!
 //! The worlds of a level are those that the generator makes of the seed, with the heights multiplied and starts, obstacles and paths made again
-//! for them. All reliefs use the same seed. What was driven stays in the output folder, so that the same command goes on where it was stopped;
+//! for them. All reliefs use the same seed. What was driven stays in the output folder, where --resume continues;
 //! and since a trial is a function of its inputs, the result does not depend on the number of jobs.
 
 use std::path::Path;
@@ -17,9 +17,6 @@ use vb_world::{Elevation, Suite};
 use crate::args::{GenerateArgs, RunArgs};
 use crate::error::CliError;
 use crate::{output, places, run};
-
-/// The parameter of the planner where none is given: the speed that the traversal times of the paper's PID imply, m/s.
-const SPEED: (&str, &str) = ("speed", "5");
 
 /// The measurements with one relief of a level.
 #[derive(Clone, Debug, Serialize)]
@@ -54,11 +51,17 @@ struct Calibration<'a> {
 }
 
 pub(super) fn calibrate(args: &GenerateArgs, vehicle: &str) -> Result<(), CliError> {
-    let params = super::rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let params = super::rules::<GeneratorParams>(args.params.as_deref())?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     // Worlds that a calibration has seen must judge nobody.
     super::keep_apart(args.drawn.seed, true)?;
     let out = &args.drawn.out;
+    if !args.calibration.resume && !output::is_free(out) {
+        return Err(CliError::output(format!(
+            "output directory {} is not empty (choose another with --out, or continue the calibration in it with --resume)",
+            out.display()
+        )));
+    }
     std::fs::create_dir_all(out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
     let cancel = run::stop_on_ctrl_c()?;
     let mut tried = Vec::new();
@@ -88,13 +91,12 @@ pub(super) fn calibrate(args: &GenerateArgs, vehicle: &str) -> Result<(), CliErr
     let text = with_std(&text, [low, medium, high]).ok_or_else(|| {
         CliError::input("the rules have no line `std: {low: …}` in which the relief could be written")
     })?;
-    GeneratorParams::parse(&text).map_err(CliError::internal)?;
-    let given = planner_params(args);
+    GeneratorParams::parse(&text, "calibrated rules").map_err(CliError::internal)?;
     let calibration = Calibration {
         schema: 1,
         vehicle,
         plugin: plugin(args)?,
-        plugin_params: &given,
+        plugin_params: &args.calibration.plugin_params,
         seed: args.drawn.seed,
         worlds_per_level: args.worlds,
         targets_percent: &args.calibration.targets,
@@ -162,13 +164,6 @@ fn plugin(args: &GenerateArgs) -> Result<&Path, CliError> {
     args.calibration.plugin.as_deref().ok_or_else(|| CliError::usage("--calibrate needs --plugin"))
 }
 
-fn planner_params(args: &GenerateArgs) -> Vec<(String, String)> {
-    match &args.calibration.plugin_params[..] {
-        [] => vec![(SPEED.0.to_owned(), SPEED.1.to_owned())],
-        given => given.to_vec(),
-    }
-}
-
 /// Makes the worlds of a level with a relief, or takes those that were made, and lets the planner drive all that it did not drive before.
 fn evaluate(
     args: &GenerateArgs,
@@ -195,9 +190,7 @@ fn evaluate(
         output::note(&format!("making {worlds} {} worlds with the relief x {factor:.3}", level.name()));
         let indices: Vec<usize> = (0..worlds).map(|k| 3 * k + level as usize).collect();
         let folder = vb_record::NewFolder::new(&dir).map_err(CliError::output)?;
-        generator
-            .write_some(folder.dir(), generator.meta(&name, "1"), &indices, |_, _| {})
-            .map_err(super::generate_error)?;
+        generator.write_some(folder.dir(), generator.meta(&name, "1"), &indices, |_, _| {})?;
         folder.finish(super::INDEX).map_err(CliError::output)?;
     }
     let suite = Suite::open(&dir).map_err(CliError::input)?;
@@ -205,18 +198,18 @@ fn evaluate(
     let facet_slope_p99 = facets.relief.first().map_or(0.0, |r| r.roughness.facets.p99);
     let out = args.drawn.out.join("runs").join(format!("{name}-{}", &key[..8]));
     let mut drive = RunArgs::new(plugin(args)?);
-    drive.planner.params = planner_params(args);
-    drive.suite = Some(dir);
+    drive.planner.params.clone_from(&args.calibration.plugin_params);
+    drive.suite = dir;
     drive.vehicle = vehicle.to_owned();
     drive.jobs = args.calibration.jobs;
     drive.trace = TraceMode::None;
     drive.logs = LogMode::None;
-    drive.resume = out.join("run.json").exists();
+    drive.resume.resume = true;
     drive.out = Some(out.clone());
     let config = run::config(&drive)?;
-    let report = vb_runner::run(&config, &mut |_| {}, cancel).map_err(run::run_error)?;
+    let report = vb_runner::run(&config, &mut |_| {}, cancel)?;
     if report.interrupted {
-        return Err(CliError::interrupted("stopped; go on with the same command"));
+        return Err(CliError::interrupted("stopped; continue with the same command and --resume"));
     }
     let records =
         RunReader::open(&out).and_then(|run| run.records::<TaskRecord>()).map_err(CliError::input)?;
@@ -246,7 +239,7 @@ mod tests {
     #[test]
     fn the_relief_is_written_into_the_rules_and_nothing_else_changes() {
         let text = with_std(GeneratorParams::DEFAULT_YAML, [0.2, 0.5, 0.9]).unwrap();
-        let params = GeneratorParams::parse(&text).unwrap();
+        let params = GeneratorParams::parse(&text, "calibrated rules").unwrap();
         assert_eq!(Elevation::ALL.map(|e| params.elevation.std.get(e)), [0.2, 0.5, 0.9]);
         let lines = |t: &str| t.lines().map(str::to_owned).collect::<Vec<_>>();
         let changed =

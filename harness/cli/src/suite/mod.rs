@@ -14,17 +14,14 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 use vb_catalog::CatalogError;
+use vb_files::Document;
 use vb_record::NewFolder;
-use vb_suite::generate::{GenerateError, Generator, GeneratorParams, TRAINING_SEEDS};
+use vb_suite::generate::{Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
-use vb_suite::rules::ParamsError;
-use vb_world::{
-    Density, Elevation, Selector, Suite, SuiteError, SuiteMeta, SuiteWriter, TaskRef, Terrain, World,
-    WorldInfo,
-};
+use vb_world::{Density, Elevation, Suite, SuiteMeta, SuiteWriter, TaskRef, Terrain, World, WorldInfo};
 
 use crate::args::{
-    DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, SuiteListArgs, TasksArgs, TasksCommand,
+    DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, TasksArgs, TasksCommand,
 };
 use crate::error::CliError;
 use crate::{output, places};
@@ -36,7 +33,6 @@ impl SuiteCommand {
     /// Does what it says.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         match self {
-            Self::List(args) => list(args),
             Self::Show(args) => show::show(args),
             Self::Validate(args) => validate::validate(args),
             Self::Prove(args) => prove::prove(args),
@@ -58,15 +54,15 @@ impl TasksCommand {
 }
 
 /// A suite to be read.
-pub(crate) fn open(wanted: Option<&Path>) -> Result<Suite, CliError> {
-    let found = places::catalog().suite(wanted)?;
-    if let Some(here) = wanted.filter(|wanted| is_another(wanted, &found)) {
+pub(crate) fn open(wanted: &Path) -> Result<Suite, CliError> {
+    let found = places::catalog().suite(Some(wanted))?;
+    if is_another(wanted, &found) {
         output::note(&format!(
             "note: {here} is the suite that comes with the harness; the one in the folder {here} here is ./{here}",
-            here = here.display()
+            here = wanted.display()
         ));
     }
-    Ok(Suite::open(found).map_err(CatalogError::from)?)
+    Ok(Suite::open(found)?)
 }
 
 /// Whether what is named lies in the working directory, too, and is not the suite that was found.
@@ -78,65 +74,19 @@ fn is_another(wanted: &Path, found: &Path) -> bool {
 /// The tasks that a selector chooses, in the suite's order; without one, all.
 pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, CliError> {
     let chosen = vb_catalog::select(suite, selector).map_err(CliError::usage)?;
-    let note = selector.and_then(|text| Selector::parse(text).ok()?.note(chosen.len(), suite.task_count()));
-    // Once, however often a command looks tasks up.
-    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    if let Some(note) = note
-        && TOLD.lock().is_ok_and(|mut told| told.insert(note.clone()))
-    {
-        output::note(&format!("note: {note}"));
+    if selector.is_some() {
+        tell_choice(chosen.len(), suite);
     }
     Ok(chosen)
 }
 
-/// An error of writing a suite: the worlds are ours, the directory is the user's.
-fn write_error(e: SuiteError) -> CliError {
-    match e {
-        SuiteError::Write { .. } | SuiteError::NotEmpty { .. } => CliError::output(e),
-        other => CliError::input(other),
+/// Says how many tasks of a suite a selector chooses: once, however often a command looks tasks up.
+pub(crate) fn tell_choice(chosen: usize, suite: &Suite) {
+    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let note = format!("{chosen} of {} tasks selected", suite.task_count());
+    if TOLD.lock().is_ok_and(|mut told| told.insert(note.clone())) {
+        output::note(&note);
     }
-}
-
-/// A suite that comes with the harness.
-#[derive(Serialize)]
-struct SuiteMessage<'a> {
-    event: &'static str,
-    /// What `--suite` takes.
-    name: &'a str,
-    version: &'a str,
-    description: &'a str,
-    worlds: usize,
-    tasks: usize,
-    hash: String,
-}
-
-pub(crate) fn list(args: &SuiteListArgs) -> Result<(), CliError> {
-    let mut rows = Vec::new();
-    let catalog = places::catalog();
-    let suites = catalog.suites()?;
-    if suites.is_empty() {
-        return Err(catalog.nothing("suite").into());
-    }
-    for dir in suites {
-        let suite = Suite::open(&dir).map_err(CliError::input)?;
-        let name = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if args.format.is_json() {
-            output::json(&SuiteMessage {
-                event: "suite",
-                name: &name,
-                version: &suite.meta().version,
-                description: &suite.meta().description,
-                worlds: suite.worlds().len(),
-                tasks: suite.task_count(),
-                hash: suite.hash(),
-            });
-            continue;
-        }
-        let size = format!("{} worlds, {} tasks", suite.worlds().len(), suite.task_count());
-        rows.push(vec![name, size, suite.meta().description.clone()]);
-    }
-    output::text(&output::columns(&rows));
-    Ok(())
 }
 
 pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
@@ -158,11 +108,11 @@ pub(crate) fn write(
     worlds: impl IntoIterator<Item = Result<World, CliError>>,
 ) -> Result<(), CliError> {
     make(out, |dir| {
-        let mut writer = SuiteWriter::create(dir, meta).map_err(write_error)?;
+        let mut writer = SuiteWriter::create(dir, meta)?;
         for world in worlds {
-            writer.add(&world?).map_err(write_error)?;
+            writer.add(&world?)?;
         }
-        writer.finish().map_err(write_error)
+        Ok(writer.finish()?)
     })
 }
 
@@ -187,32 +137,26 @@ fn done(suite: &Suite) {
     // A bare name would be that of a suite that comes with the harness, if there is one of this name.
     let dir = suite.dir();
     let path = if vb_catalog::is_name(dir.as_os_str()) { Path::new(".").join(dir) } else { dir.to_owned() };
-    output::note(&format!("run it with: vb-harness --plugin FILE --suite {}", path.display()));
+    output::note(&format!("run it with: vb-harness run PLANNER --suite {}", path.display()));
 }
 
 /// Rules in a file, or the built-in ones.
-pub(crate) fn rules<T: Default>(
-    file: Option<&Path>,
-    parse: impl Fn(&str) -> Result<T, ParamsError>,
-) -> Result<T, CliError> {
-    let Some(path) = file else { return Ok(T::default()) };
-    let at = |e: &dyn std::fmt::Display| CliError::input(format!("{}: {e}", path.display()));
-    let text = vb_files::read_text(path, vb_files::DOCUMENT).map_err(|e| at(&e))?;
-    parse(&text).map_err(|e| at(&e))
+pub(crate) fn rules<T: Default + Document>(file: Option<&Path>) -> Result<T, CliError> {
+    file.map_or_else(|| Ok(T::default()), T::load).map_err(CliError::input)
 }
 
 pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     if let Some(vehicle) = &args.calibrate {
         return calibrate::calibrate(args, vehicle);
     }
-    let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let params = rules::<GeneratorParams>(args.params.as_deref())?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let (drawn, worlds) = (&args.drawn, args.worlds as usize);
     keep_apart(drawn.seed, args.training)?;
     let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
     let meta = generator.meta(&name(drawn), &drawn.suite_version);
     let told = |index, world: &WorldInfo| output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
-    make(&drawn.out, |dir| generator.write(dir, meta, told).map_err(generate_error))
+    make(&drawn.out, |dir| Ok(generator.write(dir, meta, told)?))
 }
 
 /// Refuses a seed of training worlds for a suite that judges planners, and the other way round.
@@ -234,13 +178,6 @@ pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
     })
 }
 
-fn generate_error(e: GenerateError) -> CliError {
-    match e {
-        GenerateError::Suite(e) => write_error(e),
-        other => CliError::input(other),
-    }
-}
-
 /// What a suite is called: as is said, or by the directory that it goes to.
 fn name(drawn: &DrawnArgs) -> String {
     let folder = || drawn.out.file_name().map_or_else(|| "generated".into(), OsStr::to_string_lossy);
@@ -257,7 +194,7 @@ struct TaskMessage<'a> {
 }
 
 pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
-    let suite = open(args.suite.as_deref())?;
+    let suite = open(&args.suite)?;
     let mut rows = Vec::new();
     for task in select(&suite, args.tasks.as_deref())? {
         let world = suite.world_info(&task.world).map_err(CliError::input)?;

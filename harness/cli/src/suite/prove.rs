@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_score::{Outcome, TaskRecord};
-use vb_suite_report::proof::{Conditions, Named, Proof, ProofError, Prover};
+use vb_suite_report::proof::{Conditions, Named, Proof, Prover};
 use vb_world::Suite;
 
 use crate::args::ProveArgs;
@@ -21,7 +21,7 @@ enum Message<'a> {
 
 /// Collects from runs which tasks of a suite have been done.
 pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
-    let suite = super::open(Some(&args.suite))?;
+    let suite = super::open(&args.suite)?;
     let hash = suite.hash();
     let mut proof: Option<Proof> = None;
     for dir in &args.runs {
@@ -57,15 +57,13 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
     let Some(proof) = proof else { return Ok(()) };
     let path = match &args.out {
         Some(path) => path.clone(),
+        // In place: clap demands one of both.
         None => {
             keep(&suite, &proof)?;
             Proof::path(&suite)
         }
     };
-    proof.write(&path).map_err(|e| match e {
-        ProofError::File { .. } => CliError::output(e),
-        other => CliError::input(other),
-    })?;
+    proof.write(&path)?;
     let (proven, tasks) = (proof.tasks.len(), suite.task_count());
     if args.format.is_json() {
         output::json(&Message::Proof { path: &path, proven, tasks, unproven: &proof.unproven });

@@ -35,8 +35,9 @@ struct StatisticsFile<'a> {
 }
 
 pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
-    let suite = super::open(Some(&args.suite))?;
+    let suite = super::open(&args.suite)?;
     if let Some(out) = &args.out {
+        output::must_not_replace(&out.join("index.html"), args.force)?;
         // What can't be written is said before all worlds are drawn, not after.
         std::fs::create_dir_all(out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
     }
@@ -64,7 +65,7 @@ pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
     }
     output::text(&text(&statistics));
     if let Some(page) = page {
-        output::note(&format!("look at {}", page.display()));
+        output::say(&format!("wrote {}", page.display()));
     }
     Ok(())
 }

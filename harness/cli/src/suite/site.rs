@@ -19,8 +19,8 @@ const COARSE: f64 = 2.0;
 
 pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     must_be_free(&args.out)?;
-    let rules_of_site = rules(args.site.as_deref(), SiteParams::parse)?;
-    let params = rules(args.params.as_deref(), GeneratorParams::parse)?;
+    let rules_of_site = rules::<SiteParams>(args.site.as_deref())?;
+    let params = rules::<GeneratorParams>(args.params.as_deref())?;
     let file = args.raster.display();
     let options = Options {
         holes: Holes::Keep,
@@ -34,7 +34,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let found = survey(&args.raster, &options).map_err(CliError::input)?;
     output::note(&found.summary());
     for note in &found.notes {
-        output::note(&format!("note: {note}"));
+        output::say(&format!("note: {note}"));
     }
     let heights = &found.heights;
     // Grey levels have no height of their own.
@@ -50,7 +50,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
         }
     };
     if resolution > COARSE * rules_of_site.resolution {
-        output::note(&format!(
+        output::say(&format!(
             "warning: samples {} m apart are too coarse for the roughness of a benchmark world, which has nodes {} m apart: \
              nothing shorter than {} m is in this world, and it drives smoother than the place",
             short(resolution),
@@ -68,7 +68,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
         obstacles: obstacles.as_deref(),
         any_relief: args.any_relief,
     };
-    let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at.unwrap_or_default()) };
+    let cut = if args.tiles { Cut::Tiles } else { Cut::At(args.at) };
     let failed = |e| CliError::input(format!("{file}: {e}"));
     let site = Site::new(&survey, cut, args.density, &rules_of_site, &params, args.seed).map_err(failed)?;
     let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());

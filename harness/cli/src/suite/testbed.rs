@@ -9,7 +9,7 @@ use crate::places;
 
 pub(crate) fn testbed(args: &TestbedArgs) -> Result<(), CliError> {
     must_be_free(&args.drawn.out)?;
-    let params = rules(args.params.as_deref(), TestbedParams::parse)?;
+    let params = rules::<TestbedParams>(args.params.as_deref())?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let drawn = &args.drawn;
     let testbed = Testbed { rules: &params, model: &model, seed: drawn.seed };

@@ -31,10 +31,9 @@ enum Message<'a> {
 }
 
 pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
-    let suite = super::open(Some(&args.suite))?;
+    let suite = super::open(&args.suite)?;
     let mut limits = Limits::of(footprint(&args.vehicle)?);
-    limits.clearance = args.clearance.unwrap_or(limits.clearance);
-    limits.tilt = args.max_tilt.unwrap_or(limits.tilt);
+    (limits.clearance, limits.tilt) = (args.clearance, args.max_tilt);
     let json = args.format.is_json();
     let findings = vb_suite_report::validate::validate(&suite, &limits, |_, found| {
         for finding in found {

@@ -32,10 +32,14 @@ struct Sweep {
 
 impl Sweep {
     fn open(args: &SweepArgs) -> Result<Self, CliError> {
-        let spec = Spec::read(&args.file).map_err(CliError::input)?;
-        let suite = suite::open(spec.suite.as_deref().map(std::path::Path::new))?;
+        let spec = Spec::load(&args.file).map_err(CliError::input)?;
+        let suite =
+            suite::open(std::path::Path::new(spec.suite.as_deref().unwrap_or(vb_catalog::DEFAULT_SUITE)))?;
         let tasks = vb_catalog::select(&suite, spec.tasks.as_deref())
             .map_err(|e| CliError::input(format!("{}: tasks: {e}", args.file.display())))?;
+        if spec.tasks.is_some() {
+            suite::tell_choice(tasks.len(), &suite);
+        }
         Ok(Self { spec, layout: Layout::new(&args.out), suite, tasks })
     }
 
@@ -43,7 +47,9 @@ impl Sweep {
     fn args(&self, planned: &PlannedRun) -> RunArgs {
         let mut args = RunArgs::new(&places::plugin(planned.plugin.clone().into()));
         args.planner.params = planned.params.clone().into_iter().collect();
-        args.suite = self.spec.suite.clone().map(Into::into);
+        if let Some(suite) = &self.spec.suite {
+            args.suite = suite.into();
+        }
         args.tasks.clone_from(&self.spec.tasks);
         args.rules.clone_from(&self.spec.rules);
         args.trace = self.spec.trace;

@@ -11,9 +11,9 @@ use vb_score::{Rules, Summary, TaskRecord};
 use vb_sweep::PlannedRun;
 
 use super::Sweep;
-use crate::args::{ReportArgs, SweepArgs};
+use crate::args::{ForceArgs, ReportArgs, SweepArgs};
 use crate::error::CliError;
-use crate::{merge, output, report as pages};
+use crate::{output, report as pages};
 
 /// The most runs that are compared in a page of their own: more can't be told apart in its figures.
 const COMPARED: usize = 12;
@@ -62,13 +62,13 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
         output::json(&Message::SweepReport { runs: told.rows().len(), missing: &missing, files: &files });
     } else {
         output::text(&vb_files::printable(&told.table(output::width())));
-        told.headlines().iter().for_each(|line| output::note(line));
-        files.iter().for_each(|file| output::note(&format!("wrote {}", file.display())));
+        told.headlines().iter().for_each(|line| output::say(line));
+        files.iter().for_each(|file| output::say(&format!("wrote {}", file.display())));
     }
     match missing.first() {
         None => Ok(()),
         Some(first) => Err(CliError::incomplete(format!(
-            "{} of {} runs are not done and in no table: {first}{} (see sweep status; sweep run goes on)",
+            "{} of {} runs are not done and in no table: {first}{} (see sweep status; sweep run --resume continues)",
             missing.len(),
             sweep.spec.runs().len(),
             if missing.len() > 1 { " and others" } else { "" }
@@ -84,8 +84,8 @@ fn whole(sweep: &Sweep, planned: &PlannedRun) -> Result<Option<PathBuf>, CliErro
     }
     let dir = sweep.layout.run(&planned.name);
     if !state.is_whole {
-        let shards = shards_in(&sweep.layout.shards(&planned.name)).map_err(merge::merge_error)?;
-        let merged = vb_runner::merge(&shards, &sweep.suite, &dir).map_err(merge::merge_error)?;
+        let shards = shards_in(&sweep.layout.shards(&planned.name))?;
+        let merged = vb_runner::merge(&shards, &sweep.suite, &dir)?;
         if !merged.missing.is_empty() {
             // The same tasks more than once, and others not at all.
             return Ok(None);
@@ -111,5 +111,7 @@ fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
 }
 
 fn page_of(runs: &[PathBuf], out: &Path) -> ReportArgs {
-    ReportArgs { runs: runs.to_vec(), out: Some(out.to_owned()), ..ReportArgs::default() }
+    // The folder within that of the sweep is the program's own.
+    let force = ForceArgs { force: true };
+    ReportArgs { out: Some(out.to_owned()), force, ..ReportArgs::new(runs) }
 }

@@ -13,7 +13,7 @@ use super::Sweep;
 use crate::args::{MessageFormat, RunArgs, SweepRunArgs};
 use crate::error::CliError;
 use crate::progress::Progress;
-use crate::run::{config, run_error, stop_on_ctrl_c};
+use crate::run::{config, stop_on_ctrl_c};
 use crate::{error, output};
 
 #[derive(Serialize)]
@@ -34,6 +34,9 @@ struct Part<'a> {
 pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
     let sweep = Sweep::open(&args.sweep)?;
     let parts = parts(&sweep, args);
+    if !args.resume.resume {
+        must_begin(&sweep, &parts, args)?;
+    }
     check(&parts)?;
     keep_plan(&sweep, args)?;
     let cancel = stop_on_ctrl_c()?;
@@ -63,13 +66,13 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
                 progress.finish();
                 return Err(flaw);
             }
-            progress.note(&format!("{}: {flaw}", part.planned.name));
+            progress.say(&format!("{}: {flaw}", part.planned.name));
             flaws.push((part.planned.name.clone(), flaw));
         }
     }
     progress.finish();
     if format == MessageFormat::Human {
-        output::note(&format!("results: {}", sweep.layout.root().display()));
+        output::say(&format!("results: {}", sweep.layout.root().display()));
     }
     summed_up(flaws, sweep.spec.runs().len())
 }
@@ -82,11 +85,12 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
         let mut run = sweep.args(planned);
         run.jobs = args.jobs;
         run.keep_going = args.keep_going;
+        // Runs that are not begun yet are begun.
+        run.resume.resume = true;
         let (dir, tasks) = match args.shard {
             None => {
                 let dir = sweep.layout.run(&planned.name);
                 run.out = Some(dir.clone());
-                run.resume = dir.join("run.json").exists();
                 (dir, sweep.tasks.len())
             }
             Some(shard) => {
@@ -106,6 +110,22 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
     parts
 }
 
+/// Refuses what an earlier call left: of a shard in its own folders, since other shards write to the others at the same time.
+fn must_begin(sweep: &Sweep, parts: &[Part<'_>], args: &SweepRunArgs) -> Result<(), CliError> {
+    let root = sweep.layout.root();
+    let taken = match args.shard {
+        None => Some(root).filter(|root| !output::is_free(root)),
+        Some(_) => parts.iter().map(|part| part.dir.as_path()).find(|dir| !output::is_free(dir)),
+    };
+    match taken {
+        None => Ok(()),
+        Some(dir) => Err(CliError::output(format!(
+            "output directory {} is not empty (choose another with --out, or continue the sweep in it with --resume)",
+            dir.display()
+        ))),
+    }
+}
+
 /// Checks what would make whole runs fail, before the first one begins: each planner with its parameters under each profile, and
 /// each vehicle.
 fn check(parts: &[Part<'_>]) -> Result<(), CliError> {
@@ -116,7 +136,7 @@ fn check(parts: &[Part<'_>]) -> Result<(), CliError> {
         let vehicle = seen.insert(format!("{}\n", p.vehicle));
         if planner || vehicle {
             let config = config(&part.args).map_err(|e| e.within(&p.name))?;
-            vb_runner::check(&config).map_err(|e| run_error(e).within(&p.name))?;
+            vb_runner::check(&config).map_err(|e| CliError::from(e).within(&p.name))?;
         }
     }
     Ok(())
@@ -150,12 +170,12 @@ fn drive(
     progress: &mut Progress,
     cancel: &AtomicBool,
 ) -> Result<Option<CliError>, CliError> {
-    let report = vb_runner::run(config, &mut |event| progress.hear(event), cancel).map_err(run_error)?;
+    let report = vb_runner::run(config, &mut |event| progress.hear(event), cancel)?;
     if let Some(start) = &report.failed_start {
         return Ok(Some(CliError::failed_start(start)));
     }
     if report.interrupted || cancel.load(Ordering::Relaxed) {
-        return Ok(Some(CliError::interrupted("stopped (go on with the same command)")));
+        return Ok(Some(CliError::interrupted("stopped (continue with the same command and --resume)")));
     }
     let (host, sim) = (report.summary.host_errors.len(), report.summary.sim_errors());
     Ok(match (host, sim) {

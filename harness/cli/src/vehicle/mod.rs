@@ -8,24 +8,20 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_sim::SoilSet;
-use vb_validate::{
-    Characteristics, Check, Counts, EventResult, References, RunOptions, ValidateError, Verdict,
-};
+use vb_validate::{Characteristics, Check, Counts, EventResult, References, RunOptions, Verdict};
 use vb_vehicle::VehicleSpec;
 
-use crate::args::{
-    MessageFormat, VehicleArgs, VehicleCommand, VehicleListArgs, VehicleShowArgs, VehicleTestArgs,
-};
+use crate::args::{MessageFormat, VehicleArgs, VehicleCommand, VehicleShowArgs, VehicleTestArgs};
 use crate::error::CliError;
 use crate::{output, places};
 use standing::Standing;
 use table::Specification;
+pub(crate) use table::scale;
 
 impl VehicleCommand {
     /// Does what it says.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         match self {
-            Self::List(args) => list(args),
             Self::Show(args) => show(args),
             Self::Validate(args) => validate(args),
             Self::Test(args) => test(args),
@@ -40,44 +36,11 @@ pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
     Ok((path, spec))
 }
 
-pub(crate) fn list(args: &VehicleListArgs) -> Result<(), CliError> {
-    let head = ["name", "wheels", "scale", "mass", "description"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    let (catalog, kind) = (places::catalog(), vb_catalog::Data::Vehicle);
-    let names = catalog.names(kind)?;
-    if names.is_empty() {
-        return Err(catalog.nothing(kind.noun()).into());
-    }
-    for name in names {
-        let (_, v) = load(&name)?;
-        if args.format.is_json() {
-            output::json(&ListMessage {
-                event: "vehicle",
-                name: &name,
-                description: &v.description,
-                scale: v.scale,
-                wheels: 2 * v.axles.len(),
-                mass_kg: v.total_mass(),
-                length_m: v.length,
-                width_m: v.width,
-                height_m: v.height,
-                max_speed_m_per_s: v.max_speed,
-            });
-        }
-        let mass = format!("{} kg", vb_validate::number(v.total_mass()));
-        rows.push(vec![name, (2 * v.axles.len()).to_string(), table::scale(v.scale), mass, v.description]);
-    }
-    if !args.format.is_json() {
-        output::text(&output::columns(&rows));
-    }
-    Ok(())
-}
-
 pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
     let (path, spec) = load(&args.vehicle)?;
     let warnings = characteristics(&spec)?.warnings();
     for warning in &warnings {
-        output::note(&format!("warning: {}: {warning}", path.display()));
+        output::say(&format!("warning: {}: {warning}", path.display()));
     }
     let verdict = match warnings.len() {
         0 => "all valid".to_owned(),
@@ -114,20 +77,6 @@ pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
         output::text(&table.text());
     }
     Ok(())
-}
-
-#[derive(Serialize)]
-struct ListMessage<'a> {
-    event: &'static str,
-    name: &'a str,
-    description: &'a str,
-    scale: f64,
-    wheels: usize,
-    mass_kg: f64,
-    length_m: f64,
-    width_m: f64,
-    height_m: f64,
-    max_speed_m_per_s: f64,
 }
 
 #[derive(Serialize)]
@@ -180,9 +129,9 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         let path = places::catalog().data(vb_catalog::Data::Soils, &name)?;
         soils.push(SoilSet::load(&path).map_err(CliError::input)?);
     }
-    let options =
-        RunOptions { events: args.events.clone(), step: args.time_step * 1e-3, jobs: args.jobs.get() };
+    let options = RunOptions { events: args.events.clone(), step: args.time_step, jobs: args.jobs.get() };
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&format!("test-{}", spec.name)));
+    output::must_not_replace(&out.join("report.html"), args.force)?;
     // What can't be written is said before a minute of driving, not after.
     std::fs::create_dir_all(&out).map_err(|e| CliError::output(format!("{}: {e}", out.display())))?;
     let told = |r: &EventResult| {
@@ -190,13 +139,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
             output::note(&format!("{} {}", if r.passed() { "pass" } else { "FAIL" }, r.event.name));
         }
     };
-    let report = vb_validate::run(&spec, &soils, &references, &options, told).map_err(|e| match e {
-        ValidateError::UnknownEvent { .. }
-        | ValidateError::NotForVehicle { .. }
-        | ValidateError::Step { .. } => CliError::usage(e),
-        ValidateError::Write { .. } => CliError::output(e),
-        other => CliError::input(other),
-    })?;
+    let report = vb_validate::run(&spec, &soils, &references, &options, told)?;
     report.write(&out).map_err(CliError::output)?;
     let page = out.join("report.html");
     let counts = report.counts(None);
@@ -223,7 +166,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         MessageFormat::Human => output::text(&table(&report.results)),
     }
     if args.format.get() == MessageFormat::Human {
-        output::note(&format!("{} checks pass, {} fail; {}", counts.passed, counts.failed, page.display()));
+        output::say(&format!("{} checks pass, {} fail; {}", counts.passed, counts.failed, page.display()));
     }
     if report.passed() {
         return Ok(());

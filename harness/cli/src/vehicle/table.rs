@@ -84,7 +84,7 @@ struct AxleRow {
 }
 
 /// A scale as people write it.
-pub(super) fn scale(value: f64) -> String {
+pub(crate) fn scale(value: f64) -> String {
     let inverse = 1.0 / value;
     if value == 1.0 {
         "1".to_owned()

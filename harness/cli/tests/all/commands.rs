@@ -7,25 +7,12 @@
 use crate::common::{harness, succeed};
 
 #[test]
-fn help_lists_the_documented_exit_codes() {
-    let help = succeed(&tempfile::tempdir().unwrap(), &["--help"]);
-    let documented = include_str!("../../../../docs/results.md");
-    let codes = documented.lines().skip_while(|l| !l.starts_with("| exit code")).skip(2);
-    let codes: Vec<&str> =
-        codes.map_while(|l| l.strip_prefix("| ")?.split(" |").next()).map(str::trim).collect();
-    assert_eq!(codes.len(), 13, "{codes:?}");
-    for code in codes {
-        assert!(help.lines().any(|l| l.trim_start().starts_with(&format!("{code}  "))), "{code} in {help}");
-    }
-}
-
-#[test]
 fn an_error_of_the_command_line_is_one_line() {
     let dir = tempfile::tempdir().unwrap();
     for (args, line) in [
         (
             &["run"][..],
-            "error: the following required arguments were not provided: --plugin <FILE|COMMAND> (see --help)\n",
+            "error: give one planner, as an argument, e.g. pid.wasm, or with --plugin, e.g. --plugin pid.wasm (see --help)\n",
         ),
         (&["--plugin", "x", "--xyzzy"], "error: unexpected argument '--xyzzy' found (see --help)\n"),
     ] {
@@ -38,15 +25,15 @@ fn an_error_of_the_command_line_is_one_line() {
 #[test]
 fn the_built_in_suites_are_listed_shown_and_valid() {
     let dir = tempfile::tempdir().unwrap();
-    assert!(succeed(&dir, &["suite", "list"]).starts_with("smoke"));
+    assert!(succeed(&dir, &["list", "suites"]).starts_with("smoke"));
     assert!(succeed(&dir, &["suite", "validate", "smoke"]).contains("10 worlds, 100 tasks, all valid"));
     let shown = succeed(&dir, &["suite", "show", "smoke"]);
     assert!(shown.contains("w001") && shown.contains("w010"), "{shown}");
     assert_eq!(succeed(&dir, &["tasks", "list", "--suite", "smoke"]).lines().count(), 100);
     assert_eq!(succeed(&dir, &["tasks", "list"]).lines().count(), 1000, "vb-100 is the default");
-    assert!(succeed(&dir, &["suite", "list"]).contains("vb-100    100 worlds, 1000 tasks"));
-    assert!(succeed(&dir, &["suite", "list"]).contains("testbed   2 worlds, 10 tasks"));
-    let listed = succeed(&dir, &["suite", "list", "--json"]);
+    assert!(succeed(&dir, &["list", "suites"]).contains("vb-100    100 worlds, 1000 tasks"));
+    assert!(succeed(&dir, &["list", "suites"]).contains("testbed   2 worlds, 10 tasks"));
+    let listed = succeed(&dir, &["list", "suites", "--json"]);
     let listed: Vec<serde_json::Value> = listed.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     let smoke = listed.iter().find(|s| s["name"] == "smoke").unwrap();
     assert_eq!(
@@ -74,12 +61,13 @@ fn a_suite_is_shown_in_figures_as_events_and_as_a_page() {
         assert!(shown.contains(part), "{part:?} is not in {shown}");
     }
     assert!(!dir.path().join("index.html").exists());
-    let events = succeed(&dir, &["suite", "show", "smoke", "--json", "--out", "page"]);
-    assert_eq!(
-        events,
-        succeed(&dir, &["suite", "show", "smoke", "--message-format", "json", "--out", "page"]),
-        "two names for one format"
-    );
+    let events = succeed(&dir, &["suite", "show", "smoke", "--json", "-o", "page"]);
+    // A page that is there is replaced only on purpose.
+    let again = ["suite", "show", "smoke", "--message-format", "json", "--out", "page"];
+    let refused = harness(&dir, &again);
+    assert_eq!(refused.status.code(), Some(4), "{refused:?}");
+    assert!(String::from_utf8(refused.stderr).unwrap().contains("--force"));
+    assert_eq!(events, succeed(&dir, &[&again[..], &["--force"]].concat()), "two names for one format");
     let events: Vec<serde_json::Value> = events.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     assert_eq!(events.len(), 11);
     assert!(events[..10].iter().all(|e| e["event"] == "world" && e["tasks"].as_array().unwrap().len() == 10));
@@ -158,4 +146,50 @@ fn a_suite_can_be_generated_and_its_tasks_chosen() {
     let one = succeed(&dir, &one);
     assert!(one.starts_with("{\"event\":\"task\",\"task\":\"w001/t03\","), "{one}");
     assert_eq!(one.lines().count(), 1);
+}
+
+#[test]
+fn what_is_shipped_is_listed_with_descriptions() {
+    let dir = tempfile::tempdir().unwrap();
+    for (what, event, name) in [
+        ("vehicles", "vehicle", "hmmwv"),
+        ("rules", "rules", "paper"),
+        ("soils", "soils", "wong"),
+        ("profiles", "profile", "onboard"),
+    ] {
+        let text = succeed(&dir, &["list", what]);
+        assert!(text.lines().any(|line| line.starts_with(&format!("{name} "))), "{what}: {text}");
+        let listed = succeed(&dir, &["list", what, "--json"]);
+        for line in listed.lines() {
+            let entry: serde_json::Value = serde_json::from_str(line).unwrap();
+            assert_eq!(entry["event"], event);
+            assert!(
+                !entry["description"].as_str().unwrap().is_empty() && entry["name"].is_string(),
+                "{entry}"
+            );
+        }
+        assert_eq!(text.lines().count(), listed.lines().count());
+    }
+}
+
+#[test]
+fn the_number_of_selected_tasks_is_told_unless_the_user_wants_quiet() {
+    let dir = tempfile::tempdir().unwrap();
+    let list = ["tasks", "list", "--tasks", "elevation=high,terrain=rigid"];
+    let told = harness(&dir, &list);
+    assert_eq!(String::from_utf8(told.stderr).unwrap(), "200 of 1000 tasks selected\n");
+    assert_eq!(told.stdout.iter().filter(|b| **b == b'\n').count(), 200);
+    assert!(harness(&dir, &[&list[..], &["-q"]].concat()).stderr.is_empty());
+    assert!(harness(&dir, &[&["--quiet"], &list[..]].concat()).stderr.is_empty());
+}
+
+#[test]
+fn help_has_colours_only_where_they_are_wanted() {
+    let dir = tempfile::tempdir().unwrap();
+    let is_coloured = |args: &[&str]| succeed(&dir, args).contains("\u{1b}[");
+    assert!(!is_coloured(&["--help"]), "stdout is no terminal");
+    assert!(
+        is_coloured(&["--color", "always", "--help"]) && is_coloured(&["run", "--help", "--color=always"])
+    );
+    assert!(!is_coloured(&["--color", "never", "--help"]));
 }

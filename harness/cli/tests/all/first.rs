@@ -63,9 +63,9 @@ fn a_directory_of_tasks_that_has_none_is_named() {
         String::from_utf8(output.stderr).unwrap()
     };
     for args in [
-        &["suite", "list"][..],
+        &["list", "suites"][..],
         &["suite", "show", "smoke"],
-        &["vehicle", "list"],
+        &["list", "vehicles"],
         &["vehicle", "show", "hmmwv"],
     ] {
         let told = list(args);

@@ -4,7 +4,7 @@ mod place;
 mod rules;
 
 pub(crate) use place::random_start;
-pub use rules::{Exploration, ExplorationError, ReverseDraws, SpeedDraws, StartDraws, SteeringDraws};
+pub use rules::{Exploration, ReverseDraws, SpeedDraws, StartDraws, SteeringDraws};
 
 use std::f64::consts::TAU;
 

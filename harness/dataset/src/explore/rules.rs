@@ -1,18 +1,16 @@
 //! How a vehicle explores, as data: `tasks/exploration/*.yaml`.
 
-use std::path::PathBuf;
-
 use serde::{Deserialize, Serialize};
-
-const SCHEMA: u32 = 1;
+use vb_files::document::{pair_within, within};
+use vb_files::{Document, Flaw, Schema};
 
 /// A way to explore. Lengths are those of the full-size world and are multiplied by a world's scale, times and speeds by
 /// its root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exploration {
-    /// The version of the layout, which is 1.
-    pub schema: u32,
+    /// Version of the format.
+    pub schema: Schema<1>,
     /// The name of the file without its ending.
     pub name: String,
     /// A sentence on what it stands for.
@@ -71,69 +69,34 @@ pub struct StartDraws {
     pub edge_m: f64,
 }
 
-/// The reason why a file of exploration can't be used. Each message is one line with file, field and value.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExplorationError {
-    #[error("cannot read exploration {}: {source} (give a YAML file, or one of {})", .path.display(), Exploration::BUILTIN.map(|(name, _)| name).join(", "))]
-    Read { path: PathBuf, source: std::io::Error },
-    /// The file is not YAML, or a field is missing, unknown or of a wrong type.
-    #[error("{file}: {source} (fields: docs/datasets.md)")]
-    Syntax { file: String, source: vb_world::yaml::YamlError },
-    #[error("{file}: {field}: {value} must lie in {low} to {high}")]
-    Value {
-        file: String,
-        /// The dotted path of the field.
-        field: String,
-        value: f64,
-        low: f64,
-        high: f64,
-    },
-}
-
-impl Exploration {
-    /// Those that come with the harness, as names and the text of their files.
-    pub const BUILTIN: [(&str, &str); 2] = [
+impl Document for Exploration {
+    type File = Self;
+    const KIND: &'static str = "exploration";
+    const FIELDS: &'static str = "docs/datasets.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
         ("default", include_str!("../../../../tasks/exploration/default.yaml")),
         ("paper", include_str!("../../../../tasks/exploration/paper.yaml")),
     ];
 
-    /// Finds a built-in one by its name, or else reads a file by its path.
-    pub fn resolve(name_or_path: &str) -> Result<Self, ExplorationError> {
-        let text = vb_files::named_text(name_or_path, &Self::BUILTIN)
-            .map_err(|source| ExplorationError::Read { path: name_or_path.into(), source })?;
-        Self::from_yaml(name_or_path, &text)
+    fn from_file(rules: Self) -> Result<Self, Flaw> {
+        rules.check()?;
+        Ok(rules)
     }
+}
 
-    /// Reads one from YAML; `file` is what errors call it.
-    pub fn from_yaml(file: &str, text: &str) -> Result<Self, ExplorationError> {
-        let own: Self = vb_world::yaml::parse(text)
-            .map_err(|source| ExplorationError::Syntax { file: file.to_owned(), source })?;
-        own.check(file)?;
-        Ok(own)
-    }
+vb_files::document!(Exploration);
 
-    fn check(&self, file: &str) -> Result<(), ExplorationError> {
-        let within = |field: &str, value: f64, low: f64, high: f64| {
-            if value >= low && value <= high {
-                return Ok(());
-            }
-            Err(ExplorationError::Value { file: file.to_owned(), field: field.to_owned(), value, low, high })
-        };
-        let range = |field: &str, [lower, upper]: [f64; 2], low: f64, high: f64| {
-            within(&format!("{field}[0]"), lower, low, high)?;
-            within(&format!("{field}[1]"), upper, lower, high)
-        };
-        within("schema", f64::from(self.schema), f64::from(SCHEMA), f64::from(SCHEMA))?;
-        range("steering.amplitude", self.steering.amplitude, 0.0, 1.0)?;
-        range("steering.frequency_hz", self.steering.frequency_hz, 0.001, 5.0)?;
-        range("steering.offset", self.steering.offset, -1.0, 1.0)?;
-        range("steering.hold_s", self.steering.hold_s, 0.1, 3600.0)?;
-        range("speed.range_m_per_s", self.speed.range_m_per_s, 0.1, 30.0)?;
-        range("speed.hold_s", self.speed.hold_s, 0.1, 3600.0)?;
+impl Exploration {
+    fn check(&self) -> Result<(), Flaw> {
+        pair_within("steering.amplitude", self.steering.amplitude, 0.0, 1.0)?;
+        pair_within("steering.frequency_hz", self.steering.frequency_hz, 0.001, 5.0)?;
+        pair_within("steering.offset", self.steering.offset, -1.0, 1.0)?;
+        pair_within("steering.hold_s", self.steering.hold_s, 0.1, 3600.0)?;
+        pair_within("speed.range_m_per_s", self.speed.range_m_per_s, 0.1, 30.0)?;
+        pair_within("speed.hold_s", self.speed.hold_s, 0.1, 3600.0)?;
         if let Some(reverse) = self.reverse {
             within("reverse.probability", reverse.probability, 0.0, 1.0)?;
-            range("reverse.range_m_per_s", reverse.range_m_per_s, 0.1, 10.0)?;
+            pair_within("reverse.range_m_per_s", reverse.range_m_per_s, 0.1, 10.0)?;
         }
         within("start.tilt_deg", self.start.tilt_deg, 1.0, 45.0)?;
         within("start.clearance_m", self.start.clearance_m, 0.0, 50.0)?;
@@ -148,7 +111,7 @@ mod tests {
     #[test]
     fn those_that_come_with_the_harness_are_valid_and_the_paper_s_drives_at_two_metres_a_second() {
         for (name, _) in Exploration::BUILTIN {
-            assert_eq!(Exploration::resolve(name).unwrap().name, name);
+            assert_eq!(Exploration::resolve(name).unwrap().name, *name);
         }
         // RSS 2025, section on datasets.
         let paper = Exploration::resolve("paper").unwrap();
@@ -160,11 +123,13 @@ mod tests {
         let text = Exploration::BUILTIN[0].1;
         let told = |from: &str, to: &str| {
             assert!(text.contains(from), "{from}");
-            let e = Exploration::from_yaml("mine.yaml", &text.replace(from, to)).unwrap_err().to_string();
+            let e = Exploration::parse(&text.replace(from, to), "mine.yaml").unwrap_err().to_string();
             assert!(e.starts_with("mine.yaml: ") && !e.contains('\n'), "{e}");
             e
         };
-        assert!(told("schema: 1", "schema: 2").contains("schema: 2 must lie in 1 to 1"));
+        assert!(
+            told("schema: 1", "schema: 2").contains("version 2 is not supported; this build reads version 1")
+        );
         assert!(told("[1.0, 6.0]", "[1.0, 60.0]").contains("speed.range_m_per_s[1]: 60 must lie in 1 to 30"));
         assert!(told("[1.0, 6.0]", "[7.0, 6.0]").contains("speed.range_m_per_s[1]: 6 must lie in 7 to 30"));
         assert!(told("[0.0, 1.0]", "[.nan, 1.0]").contains("steering.amplitude[0]: NaN"));

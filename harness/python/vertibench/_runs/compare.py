@@ -8,8 +8,8 @@ from os import PathLike
 from typing import Any
 
 from .errors import ProgramError, VertibenchError
-from .launch import events
-from .store import Run
+from .program import events
+from .run import Run
 from .summary import Estimate, table_html
 
 #: Compared measures: success rate in [0, 1], time of successful tasks (s), means of |roll| and |pitch| (degrees).
@@ -160,6 +160,10 @@ class Place:
 class Comparison:
     """Comparison of runs of one suite. A notebook displays it as tables.
 
+    The methods `..._frame` return data frames. Their argument `frame` is the type of the result: `"pandas"` (default),
+    `"polars"`, `"arrow"` or `"dict"`, as in `vertibench.results`. They raise `VertibenchError` for other types, and
+    `MissingPackageError` if the package for a type is not installed.
+
     Attributes:
         runs: Figures of each run, in the order of the arguments.
         pairs: All pairs of runs on their common tasks.
@@ -179,17 +183,6 @@ class Comparison:
 
         Columns: `label`, `path`, `tasks`, `worlds`, each measure of `MEASURES` with its interval (`_low`, `_high`), and
         the number of tasks per outcome (`outcome_...`).
-
-        Args:
-            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
-                `"dict"`.
-
-        Returns:
-            The data frame.
-
-        Raises:
-            VertibenchError: If there is no such type.
-            MissingPackageError: If the package for this type is not installed.
         """
         return _frame([{"label": r.label, "path": r.path, **_row(r.all)} for r in self.runs], frame)
 
@@ -197,17 +190,6 @@ class Comparison:
         """Returns the figures by level as a data frame: one row per run, split and level.
 
         Columns: `label`, `split` (`elevation`, `terrain` or `density`), `level`, and the figures as in `runs_frame`.
-
-        Args:
-            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
-                `"dict"`.
-
-        Returns:
-            The data frame.
-
-        Raises:
-            VertibenchError: If there is no such type.
-            MissingPackageError: If the package for this type is not installed.
         """
         rows = [
             {"label": r.label, "split": split, "level": level, **_row(figures)}
@@ -221,17 +203,6 @@ class Comparison:
         """Returns the ranking as a data frame with one row per run, best first.
 
         Columns: `label`, `rank`, `rank_last`, and `ties`, a text of labels (see `Place`).
-
-        Args:
-            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
-                `"dict"`.
-
-        Returns:
-            The data frame.
-
-        Raises:
-            VertibenchError: If there is no such type.
-            MissingPackageError: If the package for this type is not installed.
         """
         return _frame([asdict(p) | {"ties": ", ".join(p.ties)} for p in self.ranking], frame)
 
@@ -239,17 +210,6 @@ class Comparison:
         """Returns the paired differences as a data frame: one row per pair and measure.
 
         Columns: the labels and task counts of `Pair`, `measure`, and the fields of `Difference`.
-
-        Args:
-            frame: Type of the result, as in `vertibench.results`: `"pandas"` (default), `"polars"`, `"arrow"` or
-                `"dict"`.
-
-        Returns:
-            The data frame.
-
-        Raises:
-            VertibenchError: If there is no such type.
-            MissingPackageError: If the package for this type is not installed.
         """
         rows = []
         for p in self.pairs:
@@ -312,19 +272,19 @@ def compare(*runs: Run | str | PathLike[str]) -> Comparison:
         raise VertibenchError("compare", "no run is given", "give two or more")
     for run in runs:
         if not isinstance(run, (Run, str, PathLike)):
-            hint = "give each run as an argument of its own: compare(a, b)"
+            hint = "give each run as a separate argument: compare(a, b)"
             raise VertibenchError("compare", f"{type(run).__name__} is no run", hint)
     paths = [str(run.path if isinstance(run, Run) else run) for run in runs]
     # Without an output file the program writes no HTML report.
     told = events("report", *paths, "--markdown=-", "--message-format=json")
     found = next((event for event in told if event.get("event") == "statistics"), None)
     if found is None:
-        raise ProgramError("vb-harness report tells no statistics (use a newer vb-harness)", 0)
+        raise ProgramError("vb-harness report prints no statistics (use a newer vb-harness)", 0)
     try:
         return _read(found)
     except (KeyError, TypeError, IndexError) as e:
         raise ProgramError(
-            f"vb-harness report tells statistics of another form: {e!r} (use the vb-harness of this version)", 0
+            f"vb-harness report prints statistics in an unknown format: {e!r} (use the vb-harness of this version)", 0
         ) from None
 
 

@@ -1,16 +1,13 @@
-"""Errors of runs. Each message is one line: where, what, what to do."""
+"""Errors of runs. A message is one line: what failed and where, and in brackets the next step."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .._errors import MissingPackageError as MissingPackageError
 from .._errors import VertibenchError as VertibenchError
 from .._errors import one_line
-
-if TYPE_CHECKING:
-    from .store import Run
 
 
 class RunError(VertibenchError):
@@ -32,7 +29,7 @@ class ProgramError(VertibenchError):
         run: The `Run` with the finished tasks; None if there is none.
     """
 
-    def __init__(self, message: str, code: int, command: Sequence[str] = (), run: Run | None = None):
+    def __init__(self, message: str, code: int, command: Sequence[str] = (), run: Any = None):
         Exception.__init__(self, one_line(message))
         self.code = code
         self.command = tuple(command)
@@ -87,9 +84,9 @@ _OF_CODE: dict[int, type[ProgramError]] = {
 }
 
 
-def of_program(message: str, code: int, command: Sequence[str], run: Run | None = None) -> ProgramError:
+def of_program(message: str, code: int, command: Sequence[str]) -> ProgramError:
     """Returns the error for an exit code."""
     if not message:
         how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        message = f"{command[0]}: it {how} and said nothing (run it in a terminal: {' '.join(command)})"
-    return _OF_CODE.get(code, ProgramError)(message, code, command, run)
+        message = f"{command[0]}: it {how} without a message (run it in a terminal: {' '.join(command)})"
+    return _OF_CODE.get(code, ProgramError)(message, code, command)

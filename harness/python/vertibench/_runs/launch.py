@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
-import signal
-import subprocess
 import sys
-import threading
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -17,14 +12,10 @@ from typing import Any
 
 from .._errors import OptionError
 from .._options import selector
-from .._program import environment, harness_path
-from .errors import ProgramError, UsageError, of_program
-from .store import Run
-
-#: Maximum time in which a stopped program may write its results, s.
-_PATIENCE = 30.0
-#: Exit code: completed, but the simulation of some tasks failed. The results are valid.
-_SIM_ERRORS = 5
+from .._program import harness_path
+from .errors import ProgramError, UsageError
+from .program import listen
+from .run import Run
 
 
 @dataclass(frozen=True)
@@ -80,8 +71,8 @@ def run(
         plugin: Planner: a WASM file, a native library, or a command such as `"python3 my_planner.py"`. A file name such
             as `"pid.wasm"` that doesn't exist in the working directory names a shipped planner.
         suite: Suite directory, or name of a shipped suite; default `"vb-100"`.
-        tasks: Selector, e.g. `"w001/t03"` or `"w001-w004,elevation=high"`, or a list of names or selectors; default all
-            tasks.
+        tasks: Selector, e.g. `"w001/t03"` or `"elevation=high,terrain=rigid"` (docs/worlds.md), or a list of its
+            conditions, such as names of tasks; default all tasks.
         vehicle: Vehicle name or file; default `"hmmwv"`.
         perception: Name or file of the perception profile; default `"oracle"`.
         rules: Name or file of the rules; default `"paper"`.
@@ -121,9 +112,9 @@ def run(
         >>> run = vertibench.run("pid.wasm", suite="smoke", tasks="w*/t00", params={"speed": 5})
     """
     if not isinstance(plugin, (str, PathLike)):
-        raise UsageError(f"plugin={plugin!r}: it is no planner (give a file, a command, or pid.wasm)", 2)
+        raise UsageError(f"plugin={plugin!r}: not a planner (give a file, a command, or pid.wasm)", 2)
     if params is not None and not isinstance(params, Mapping):
-        raise UsageError(f"params={params!r}: they are no parameters (give a dictionary by their names)", 2)
+        raise UsageError(f"params={params!r}: not a dictionary (give the parameters by name)", 2)
     try:
         tasks = selector(tasks)
     except OptionError as e:
@@ -155,7 +146,7 @@ def run(
             where = Path(event["out"]).absolute()
 
     try:
-        _listen(command, handle)
+        listen(command, handle)
     except ProgramError as e:
         if e.code in (7, 10, 130) and where is not None:
             e.run = Run(where)
@@ -163,106 +154,14 @@ def run(
     finally:
         finish()
     if where is None:
-        raise ProgramError("vb-harness ended without telling where the results are (use a newer one)", 0, command)
+        raise ProgramError("vb-harness ended without the directory of the results (use a newer vb-harness)", 0, command)
     return Run(where)
-
-
-def events(*arguments: str) -> list[dict[str, Any]]:
-    """Runs a command of the program and returns its JSON events. Raises the `ProgramError` of its exit code."""
-    told: list[dict[str, Any]] = []
-    _listen([str(harness_path()), *arguments], told.append)
-    return told
 
 
 def _text(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return os.fspath(value) if isinstance(value, PathLike) else str(value)
-
-
-def _listen(command: Sequence[str], handle: Callable[[dict[str, Any]], None]) -> None:
-    """Starts the program, passes each event to `handle`, and stops the program if `handle` raises an error or after
-    Ctrl-C.
-
-    The program's warnings become Python warnings.
-    """
-    # In a separate process group, so that Ctrl-C reaches it once, from this process.
-    apart: dict[str, Any] = {"start_new_session": True}
-    if sys.platform == "win32":
-        apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-    pipe = subprocess.PIPE
-    try:
-        child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment(), **apart
-        )
-    except OSError as e:
-        raise ProgramError(
-            f"{command[0]}: cannot be started: {e.strerror} (let VB_HARNESS name it)", 126, command
-        ) from None
-    said: list[str] = []
-    # Both pipes must be read, otherwise program and parent wait for each other.
-    listener = threading.Thread(target=lambda: said.extend(line.rstrip() for line in child.stderr or ()), daemon=True)
-    listener.start()
-    # The end of this block closes the pipes.
-    with child:
-        try:
-            for line in child.stdout or ():
-                handle(_message(line, command))
-            code = child.wait()
-            listener.join()
-        except BaseException as e:
-            _stop(child)
-            listener.join(1)
-            if isinstance(e, KeyboardInterrupt):
-                raise KeyboardInterrupt(_error(said) or "stopped") from None
-            raise
-    for line in said:
-        if line.startswith(("warning: ", "note: ")):
-            warnings.warn(line, stacklevel=3)
-    if code == _SIM_ERRORS:
-        warnings.warn(_error(said), stacklevel=3)
-    elif code:
-        raise of_program(_error(said), code, command)
-
-
-def _message(line: str, command: Sequence[str]) -> dict[str, Any]:
-    try:
-        event = json.loads(line)
-    except ValueError:
-        event = None
-    if not isinstance(event, dict):
-        raise ProgramError(f"{command[0]}: `{line[:80].strip()}` is no message (is it vb-harness?)", 0, command)
-    return event
-
-
-def _error(said: Sequence[str]) -> str:
-    """Returns the text of the last error line and of the lines after it, which may refer to the help."""
-    told = [k for k, line in enumerate(said) if line.startswith("error: ")]
-    return " ".join(said[told[-1] :]).removeprefix("error: ") if told else ""
-
-
-def _stop(child: subprocess.Popen[str]) -> None:
-    """Stops the program as Ctrl-C does, so that it writes its results.
-
-    Kills it if that takes too long, or after another interrupt.
-    """
-    try:
-        if child.poll() is None:
-            if sys.platform == "win32":
-                child.send_signal(signal.CTRL_BREAK_EVENT)
-            else:
-                child.send_signal(signal.SIGINT)
-            # A full pipe would block the program.
-            reader = threading.Thread(target=lambda: all(True for _ in child.stdout or ()), daemon=True)
-            reader.start()
-            child.wait(_PATIENCE)
-            reader.join(1)
-    except (subprocess.TimeoutExpired, KeyboardInterrupt):
-        pass
-    finally:
-        if child.poll() is None:
-            child.kill()
-            child.wait()
 
 
 def _teller(
@@ -277,7 +176,7 @@ def _teller(
     if progress is None:
         progress = notebook or sys.stderr.isatty()
     elif not isinstance(progress, bool):
-        raise UsageError(f"progress={progress!r}: it can't be called (give True, False or a function)", 2)
+        raise UsageError(f"progress={progress!r}: not callable (give True, False or a function)", 2)
     if not progress:
         return lambda _: None, lambda: None
     return _in_a_notebook() if notebook else _on_a_terminal()

@@ -12,7 +12,7 @@ from .._errors import MissingError
 from .._program import tasks_path
 from ..datasets._world import World, read_world
 from .errors import RunError
-from .store import Run
+from .store import RunDirectory
 
 _AGAIN = "restore the suite's folder"
 
@@ -40,13 +40,13 @@ def suite_folder(suite: str | PathLike[str]) -> Path:
     found = sorted(f.parent.name for f in tasks.glob("*/suite.yaml")) if tasks else []
     if tasks and str(suite) in found:
         return tasks / str(suite)
-    known = f", or one of {', '.join(found)}" if found else ", or let VB_TASKS name the folder with the built-in suites"
+    known = f", or one of {', '.join(found)}" if found else ", or set VB_TASKS to the folder with the shipped suites"
     raise RunError(
-        f"suite {os.fspath(suite)}", "it is no folder and does not come with the harness", f"give a folder{known}"
+        f"suite {os.fspath(suite)}", "not a folder or a shipped suite", f"give a folder{known}"
     )
 
 
-def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
+def suite_of(run: RunDirectory, suite: str | PathLike[str] | None) -> Path:
     """Returns the folder of a run's suite: the given one, otherwise the recorded one, otherwise the shipped suite with its
     name.
     """
@@ -60,8 +60,8 @@ def suite_of(run: Run, suite: str | PathLike[str] | None) -> Path:
     except RunError:
         raise RunError(
             f"suite {run.of('suite', 'name')}",
-            f"it is not at {there}, where it was for {run.path}",
-            "give its folder as suite=",
+            f"{there}, its folder in {run.path}, is not a suite",
+            "give the folder as suite=",
         ) from None
 
 
@@ -69,14 +69,14 @@ def read_task(folder: Path, task: str, scale: float = 1.0) -> Task:
     """Reads a task of a suite with its world. Raises `RunError` if there is no such task, or a file is damaged."""
     file = folder / "suite.yaml"
     try:
-        index = _yaml.parse(file.read_text(encoding="utf-8"))
+        index = _yaml.read(file)
         tasks = {f"{world['id']}/{name}" for world in index["worlds"] for name in world["tasks"]}
         if task not in tasks:
             raise RunError(folder, f"there is no task {task}", f"give one of its {len(tasks)} tasks, e.g. {min(tasks)}")
         world_id, name = task.split("/")
         place = folder / "worlds" / world_id
         file = place / "tasks.yaml"
-        found = {own["id"]: own for own in _yaml.parse(file.read_text(encoding="utf-8"))["tasks"]}[name]
+        found = {own["id"]: own for own in _yaml.read(file)["tasks"]}[name]
         start = tuple(float(found["start"][k]) for k in ("x", "y", "yaw"))
         return Task(
             name=task,

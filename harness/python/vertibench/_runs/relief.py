@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
-
 import numpy as np
 
+from .._image import encode_png
 from ..datasets._world import CLASSES, World
 
 #: Colours of the terrain classes, in the order of their labels, as in replays.
@@ -39,7 +37,7 @@ def png(world: World) -> bytes:
     # Mixed with grey, so that lines stand out.
     ground = 0.8 * palette[labels] + 0.2 * 190.0
     shaded = ground * _between(_shade(world), (east, north), world)[..., None]
-    return _encode(np.clip(np.round(shaded), 0, 255).astype(np.uint8))
+    return encode_png(np.clip(np.round(shaded), 0, 255).astype(np.uint8))
 
 
 def _shade(world: World) -> np.ndarray:
@@ -59,17 +57,3 @@ def _between(values: np.ndarray, at: tuple[np.ndarray, np.ndarray], world: World
     south = values[row, col] * (1 - u) + values[row, col + 1] * u
     north = values[row + 1, col] * (1 - u) + values[row + 1, col + 1] * u
     return south * (1 - v) + north * v
-
-
-def _encode(pixels: np.ndarray) -> bytes:
-    """Encodes 8-bit colours of shape (height, width, 3) as PNG, each row as its difference from the row above."""
-    height, width, _ = pixels.shape
-    above = np.vstack([np.zeros((1, width, 3), np.uint8), pixels[:-1]])
-    lines = np.hstack([np.full((height, 1), 2, np.uint8), (pixels - above).reshape(height, -1)])
-
-    def chunk(kind: bytes, body: bytes) -> bytes:
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    packed = zlib.compress(lines.tobytes(), 9)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", packed) + chunk(b"IEND", b"")

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from .errors import RunError, VertibenchError
-from .frames import Trace
-from .launch import events
+from .frames import Trace, trace
 from .picture import Driven, svg
 from .places import Task, read_task, suite_folder, suite_of
-from .store import Run, opened
+from .program import events
+from .store import RunDirectory
 
-#: Height of the replay in a notebook, pixels.
+#: Default height of the replay in a notebook, pixels.
 _HEIGHT = 520
 #: Maximum distance between start or goal of a trace and of the suite, m.
 _SAME = 1e-6
@@ -36,12 +36,12 @@ class Shown:
         replay: The replay as HTML page; None without one.
     """
 
-    def __init__(self, task: str, told: str, svg: str, replay: str | None, height: int = _HEIGHT):
+    def __init__(self, task: str, told: str, svg: str, replay: str | None, height: int | None = None):
         self.task = task
         self.svg = svg
         self.replay = replay
         self._told = told
-        self._height = height
+        self._height = _HEIGHT if height is None else height
 
     def __repr__(self) -> str:
         return f"<{self.task}: {self._told}; a notebook shows it, and save('page.html') writes it>"
@@ -85,58 +85,24 @@ class Shown:
         return file
 
 
-def show(
-    run: Run | str | PathLike[str] | Sequence[Run | str | PathLike[str]],
-    task: str | None = None,
-    *,
-    replay: bool = True,
-    suite: str | PathLike[str] | None = None,
-    height: int = _HEIGHT,
+def show_runs(
+    runs: Sequence[RunDirectory], task: str | None, replay: bool, suite: str | PathLike[str] | None, height: int | None
 ) -> Shown:
-    """Displays a task of one or more runs: a map with global path, start, goal and trajectory, and the replay in 3D below
-    it.
-
-    The trajectory of a single run is coloured by speed. Several runs have one colour each, and the replay follows the
-    first.
-
-    Args:
-        run: Run or its directory, or a list of runs of the same suite and scale.
-        task: Task name, e.g. `"w012/t03"`. None (default): the only finished task of the first run.
-        replay: Whether to include the replay, about 1 MB; default True.
-        suite: Folder of the suite. None (default): the folder recorded in the run, otherwise the shipped suite with its
-            name.
-        height: Height of the replay in a notebook, pixels; default 520.
-
-    Returns:
-        The picture, which a notebook displays; `save()` writes it to a file.
-
-    Raises:
-        RunError: If a run can't be read, hasn't finished the task or stored no trajectories; if `task` is None and the
-            run has several finished tasks; or if the runs differ in suite or scale.
-        ProgramError: If `vb-harness replay` can't make the replay.
-        VertibenchError: If the list of runs is empty.
-
-    Example:
-        >>> vertibench.show([run, "runs/pid-1"], "w003/t00").save("page.html")
-    """
-    given: Sequence[Any] = run if isinstance(run, (list, tuple)) else [run]
-    if not given:
-        raise VertibenchError("show", "no run is given", "give one, or a list of some")
-    runs = [opened(r) for r in given]
+    """Displays a task of one or more runs; see `vertibench.show`."""
     for other in runs[1:]:
         if other.of("suite", "hash") != runs[0].of("suite", "hash"):
             names = " and ".join(str(r.of("suite", "name")) for r in (runs[0], other))
-            raise RunError(other.path, f"it is of another suite than {runs[0].path}: {names}", "show them one by one")
+            raise RunError(other.path, f"its suite differs from that of {runs[0].path}: {names}", "show the runs separately")
         if other.of("scale") != runs[0].of("scale"):
             raise RunError(
-                other.path, f"its world has another scale than that of {runs[0].path}", "show them one by one"
+                other.path, f"its scale differs from that of {runs[0].path}", "show the runs separately"
             )
     task = _only_task(runs[0]) if task is None else task
-    traces = [r.trace(task) for r in runs]
+    traces = [trace(r, task, "numpy") for r in runs]
     folder = suite_of(runs[0], suite)
     scene = read_task(folder, task, float(runs[0].of("scale") or 1))
-    for trace in traces:
-        _same_task(trace, scene, folder)
+    for own in traces:
+        _same_task(own, scene, folder)
     labels = _labels(runs)
     driven = [_driven(r, t, label) for r, t, label in zip(runs, traces, labels)]
     picture = svg(scene, driven, _goal_radius(runs[0]))
@@ -166,7 +132,7 @@ def show_task(suite: str | PathLike[str], task: str, *, scale: float = 1.0) -> S
     return Shown(task, f"of {scene.suite}", svg(scene), None)
 
 
-def _only_task(run: Run) -> str:
+def _only_task(run: RunDirectory) -> str:
     tasks = run.tasks
     if len(tasks) != 1:
         example = f"e.g. show(run, {tasks[0]!r})" if tasks else "once it has finished one"
@@ -174,7 +140,7 @@ def _only_task(run: Run) -> str:
     return tasks[0]
 
 
-def _replay(runs: Sequence[Run], task: str, folder: Path) -> str:
+def _replay(runs: Sequence[RunDirectory], task: str, folder: Path) -> str:
     with tempfile.TemporaryDirectory(prefix="vertibench-") as place:
         page = Path(place) / "replay.html"
         events(
@@ -188,13 +154,13 @@ def _replay(runs: Sequence[Run], task: str, folder: Path) -> str:
         return page.read_text(encoding="utf-8")
 
 
-def _driven(run: Run, trace: Trace, label: str) -> Driven:
+def _driven(run: RunDirectory, trace: Trace, label: str) -> Driven:
     record = run.record(trace.task)
     speed = np.sqrt(trace["vx"] ** 2 + trace["vy"] ** 2 + trace["vz"] ** 2)
     return Driven(label, record["outcome"], record.get("reason") or "", record["time_s"], trace["x"], trace["y"], speed)
 
 
-def _labels(runs: Sequence[Run]) -> list[str]:
+def _labels(runs: Sequence[RunDirectory]) -> list[str]:
     """Returns planner names, with the parameters in which runs of one planner differ, and the folder if these are equal."""
     names = [r.planner for r in runs]
     params = [r.of("params") or {} for r in runs]
@@ -207,7 +173,7 @@ def _labels(runs: Sequence[Run]) -> list[str]:
     return [label if labels.count(label) == 1 else f"{label} [{r.path.name}]" for label, r in zip(labels, runs)]
 
 
-def _goal_radius(run: Run) -> float | None:
+def _goal_radius(run: RunDirectory) -> float | None:
     """Returns the distance from the goal that counts as success, m; None if the rules have none."""
     success = run.of("rules", "profile", "success")
     for kind in success.values() if isinstance(success, dict) else ():
@@ -221,6 +187,6 @@ def _same_task(trace: Trace, scene: Task, folder: Path) -> None:
     if apart > _SAME:
         raise RunError(
             folder,
-            f"its task {scene.name} is another than that of {trace.run.path}",
+            f"its task {scene.name} differs from that of {trace.run.path}",
             "give the folder of the run's suite as suite=",
         )

@@ -6,41 +6,18 @@ import hashlib
 import json
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .errors import RunError
-
-if TYPE_CHECKING:
-    from .frames import Trace
-    from .show import Shown
-    from .summary import Summary
 
 #: Supported versions of run.json.
 SCHEMAS = (1, 2, 3)
 
-_DAMAGED = "the disk or a copy is damaged: restore the run from where it was whole, or run it again"
+_DAMAGED = "the file was changed or damaged: restore the run from a copy, or run it again"
 
 
-class Run:
-    """Run directory: the results of one planner over tasks of one suite.
-
-    A run in progress is read up to its last finished task. `run.json`, records and trajectories are verified with
-    `checksums.txt`, if there is one, when they are read.
-
-    Example:
-        >>> run = Run("runs/pid-1")
-        >>> run.record("w001/t03")["outcome"]
-
-    Args:
-        directory: The run directory.
-
-    Attributes:
-        path: The run directory.
-        header: Content of `run.json`: all that determines the results.
-
-    Raises:
-        RunError: If there is no run, its version is unsupported, or `run.json` is damaged.
-    """
+class RunDirectory:
+    """Reader for the files of a run directory; base of `vertibench.Run`, which documents it."""
 
     def __init__(self, directory: str | PathLike[str]):
         self.path = Path(directory)
@@ -48,14 +25,14 @@ class Run:
         if not self.path.is_dir():
             raise RunError(self.path, "there is no such folder", "give the directory of a run")
         if not file.is_file():
-            raise RunError(self.path, "no run is here: run.json is missing", "give the directory of a run")
-        content = _read(file)
-        self.header: dict[str, Any] = _json_object(file, content)
+            raise RunError(self.path, "not a run: run.json is missing", "give the directory of a run")
+        content = read(file)
+        self.header: dict[str, Any] = json_object(file, content)
         schema = self.header.get("schema")
         if schema not in SCHEMAS:
             raise RunError(
                 file,
-                f"version {schema} of runs, this package reads {SCHEMAS[0]} to {SCHEMAS[-1]}",
+                f"unsupported version {schema} of the run format, supported: {SCHEMAS[0]} to {SCHEMAS[-1]}",
                 "use a newer vertibench",
             )
         _check(self._sums(), "run.json", file, content)
@@ -108,12 +85,12 @@ class Run:
             return []
         sums = self._sums()
         records = {}
-        *lines, _torn = _read(file).split(b"\n")
+        *lines, _torn = read(file).split(b"\n")
         for number, line in enumerate(lines, 1):
-            record = _json_object(f"{file} line {number}", line)
+            record = json_object(f"{file} line {number}", line)
             task = record.get("task")
             if not isinstance(task, str) or "outcome" not in record:
-                raise RunError(f"{file} line {number}", "it is no record of a task", _DAMAGED)
+                raise RunError(f"{file} line {number}", "not a record of a task", _DAMAGED)
             _check(sums, f"tasks.jsonl {task}", f"{file} line {number}", line)
             records[task] = record
         return [records[task] for task in sorted(records)]
@@ -150,37 +127,13 @@ class Run:
         """
         self.record(task)
         if self.header.get("trace") == "none":
-            raise RunError(self.path, "the run kept no trajectories", "run it again with trace='10hz'")
+            raise RunError(self.path, "the run stored no trajectories", "run it again with trace='10hz'")
         name = f"traces/{task}.parquet"
         file = self.path / name
         if not file.is_file():
             raise RunError(file, "the trajectory is missing", "restore the file, or run the task again")
-        _check(self._sums(), name, file, _read(file))
+        _check(self._sums(), name, file, read(file))
         return file
-
-    def results(self, frame: str = "pandas") -> Any:
-        """Returns `vertibench.results(self, frame)`: the results as a data frame."""
-        from .frames import results
-
-        return results(self, frame)
-
-    def summary(self) -> Summary:
-        """Returns `vertibench.summary(self)`: the figures over all tasks."""
-        from .summary import summary
-
-        return summary(self)
-
-    def trace(self, task: str, frame: str = "numpy") -> Trace | Any:
-        """Returns `vertibench.trace(self, task, frame)`: the trajectory of a task."""
-        from .frames import trace
-
-        return trace(self, task, frame)
-
-    def show(self, task: str | None = None, **options: Any) -> Shown:
-        """Returns `vertibench.show(self, task, **options)`: map, trajectory and replay of a task."""
-        from .show import show
-
-        return show(self, task, **options)
 
     def _sums(self) -> dict[str, str] | None:
         """Returns SHA-256 by name from `checksums.txt`; None for runs without this file."""
@@ -188,18 +141,13 @@ class Run:
         if not file.is_file():
             return None
         sums = {}
-        *lines, _torn = _read(file).decode("utf-8", "replace").split("\n")
+        *lines, _torn = read(file).decode("utf-8", "replace").split("\n")
         for number, line in enumerate(lines, 1):
             digest, gap, name = line.partition("  ")
             if len(digest) != 64 or not gap or not name:
-                raise RunError(f"{file} line {number}", "it is no checksum", _DAMAGED)
+                raise RunError(f"{file} line {number}", "not a checksum", _DAMAGED)
             sums[name] = digest
         return sums
-
-
-def opened(run: Run | str | PathLike[str]) -> Run:
-    """Returns the run, opened if it is a directory."""
-    return run if isinstance(run, Run) else Run(run)
 
 
 def _check(sums: dict[str, str] | None, name: str, where: object, content: bytes) -> None:
@@ -209,21 +157,21 @@ def _check(sums: dict[str, str] | None, name: str, where: object, content: bytes
     if name not in sums:
         raise RunError(where, f"{name} has no checksum in checksums.txt", _DAMAGED)
     if hashlib.sha256(content).hexdigest() != sums[name]:
-        raise RunError(where, f"{name} is not what was written: its checksum is another", _DAMAGED)
+        raise RunError(where, f"{name} differs from its checksum", _DAMAGED)
 
 
-def _read(file: Path) -> bytes:
+def read(file: Path) -> bytes:
     try:
         return file.read_bytes()
     except OSError as e:
-        raise RunError(file, f"cannot be read: {e.strerror}", "see to its rights, or restore it") from None
+        raise RunError(file, f"cannot be read: {e.strerror}", "check its permissions, or restore it") from None
 
 
-def _json_object(where: object, content: bytes) -> dict[str, Any]:
+def json_object(where: object, content: bytes) -> dict[str, Any]:
     try:
         value = json.loads(content)
     except ValueError as e:
         raise RunError(where, f"not JSON: {e}", _DAMAGED) from None
     if not isinstance(value, dict):
-        raise RunError(where, "it is no JSON object", _DAMAGED)
+        raise RunError(where, "not a JSON object", _DAMAGED)
     return value

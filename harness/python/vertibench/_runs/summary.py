@@ -5,11 +5,10 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from os import PathLike
 from typing import Any
 
 from .errors import RunError
-from .store import Run, _json_object, _read, opened
+from .store import RunDirectory, json_object, read
 
 #: Labels of worlds by which figures are split.
 SPLITS = ("elevation", "terrain", "density", "world")
@@ -120,7 +119,7 @@ class Summary(Mapping[str, Any]):
 
     def __repr__(self) -> str:
         rate = self.success_rate
-        told = "none that count" if rate is None else f"success {rate:.1%}"
+        told = "no task" if rate is None else f"success {rate:.1%}"
         return f"<Summary {self['planner']} on {self['suite']}: {self.tasks} tasks, {told}>"
 
     def _repr_html_(self) -> str:
@@ -145,26 +144,15 @@ class Summary(Mapping[str, Any]):
         return table_html(f"{self['planner']} on {self['suite']}", head, rows)
 
 
-def summary(run: Run | str | PathLike[str]) -> Summary:
-    """Reads the summary of a finished run: figures over all tasks, and by elevation, terrain, obstacle density and world.
-
-    Args:
-        run: Run, or its directory.
-
-    Returns:
-        The summary.
-
-    Raises:
-        RunError: If the run can't be read or has no summary, because it is in progress or was killed.
-    """
-    run = opened(run)
+def summary(run: RunDirectory) -> Summary:
+    """Reads the summary of a finished run; see `vertibench.summary`."""
     file = run.path / "summary.json"
     if not file.is_file():
         raise RunError(file, "there is no summary yet", "wait for the end of the run, or finish it with resume=True")
-    content = _json_object(file, _read(file))
+    content = json_object(file, read(file))
     figures = content.get("all")
     if not isinstance(figures, dict) or not {"tasks", "success_rate", "outcomes"} <= figures.keys():
-        raise RunError(file, "it is no summary of this version", "make it anew: vb-harness score --help")
+        raise RunError(file, "not a summary of this version", "create it again: vb-harness score --help")
     return Summary(content)
 
 

@@ -21,13 +21,13 @@ def main(arguments: list[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     minari = commands.add_parser(
         "to-minari",
-        help="put a dataset into Minari's store",
-        description="Put a dataset into Minari's store, the folder that MINARI_DATASETS_PATH names.",
+        help="convert a dataset to Minari",
+        description="Write a dataset into Minari's local storage, the folder in MINARI_DATASETS_PATH.",
     )
-    minari.add_argument("directory", metavar="DIR", help="the folder that `vb-harness dataset` wrote")
-    minari.add_argument("id", metavar="ID", help="name in the store, for instance vertibench/explore-v0")
-    minari.add_argument("--author", metavar="NAME", help="who is named as the author")
-    minari.add_argument("--author-email", metavar="ADDRESS", help="the author's address")
+    minari.add_argument("directory", metavar="DIR", help="output directory of `vb-harness dataset`")
+    minari.add_argument("id", metavar="ID", help="name in the storage, e.g. vertibench/explore-v0")
+    minari.add_argument("--author", metavar="NAME", help="name of the author")
+    minari.add_argument("--author-email", metavar="ADDRESS", help="e-mail address of the author")
     given = parser.parse_args(arguments)
     try:
         made = to_minari(open(given.directory), given.id, author=given.author, author_email=given.author_email)

@@ -47,7 +47,7 @@ class Info:
         rules: Name of the rules.
         soils: Name of the soil set.
         scale: Factor on all lengths of the worlds.
-        of_a_suite: Whether planners are judged on its worlds. Such a dataset must not be used for training.
+        of_a_suite: Whether its worlds belong to a benchmark suite. Such a dataset must not be used for training.
         hash: SHA-256 of the file `SHA256SUMS`; equal hashes mean equal files.
         header: Whole content of `dataset.json`.
     """
@@ -169,25 +169,25 @@ def open(directory: str | PathLike[str]) -> Dataset:  # noqa: A001 - used as `da
     """
     folder = Path(directory)
     if pq is None:
-        raise DatasetError(folder, "datasets are read by pyarrow, which is missing", "pip install pyarrow")
+        raise DatasetError(folder, "pyarrow, which reads datasets, is not installed", "pip install pyarrow")
     if not folder.is_dir():
-        raise DatasetError(folder, "there is no such folder", "give the folder that `vb-harness dataset` wrote")
+        raise DatasetError(folder, "there is no such folder", "give the output directory of `vb-harness dataset`")
     file = folder / "dataset.json"
     if not file.is_file():
         raise DatasetError(
-            folder, "no dataset is here: dataset.json is missing", "give the folder that `vb-harness dataset` wrote"
+            folder, "not a dataset: dataset.json is missing", "give the output directory of `vb-harness dataset`"
         )
     header = _json(file)
     schema = header.get("schema")
     if schema != SCHEMA:
         raise DatasetError(
-            file, f"version {schema} of datasets, this package reads version {SCHEMA}", "use a newer vertibench"
+            file, f"unsupported version {schema} of the dataset format, supported: {SCHEMA}", "use a newer vertibench"
         )
     sums = folder / "SHA256SUMS"
     if not sums.is_file():
         raise DatasetError(
             folder,
-            "the dataset is not finished: SHA256SUMS is missing",
+            "the dataset is incomplete: SHA256SUMS is missing",
             "finish it with the command in its dataset.json and --resume",
         )
     try:
@@ -199,7 +199,7 @@ def open(directory: str | PathLike[str]) -> Dataset:  # noqa: A001 - used as `da
             header=header,
         )
     except (KeyError, TypeError):
-        raise DatasetError(file, "a field is missing or of a wrong type", _AGAIN) from None
+        raise DatasetError(file, "a field is missing or has the wrong type", _AGAIN) from None
     meta = _json(folder / "meta/info.json")
     episodes, places = _episodes(folder, meta["data_path"])
     return Dataset(folder, info, _columns(meta), episodes, places)
@@ -303,7 +303,7 @@ class Dataset(Sequence):
         """
         if isinstance(episode, Episode):
             if episode not in self.episodes:
-                raise DatasetError(self.folder, f"episode {episode.index} is not in this part", "give one of `episodes`")
+                raise DatasetError(self.folder, f"episode {episode.index} is not in this dataset", "give one of `episodes`")
             episode = self.episodes.index(episode)
         if not -len(self) <= episode < len(self):
             to_do = f"give 0 to {len(self) - 1}" if len(self) else "take another part"
@@ -346,7 +346,7 @@ class Dataset(Sequence):
         if steps < 1 or not is_whole:
             raise DatasetError(
                 self.folder,
-                f"{seconds} s are not a whole number of frames at {self.info.hz} Hz",
+                f"{seconds} s is not a whole number of frames at {self.info.hz} Hz",
                 f"give a multiple of {1 / self.info.hz:g} s",
             )
         names = self._names(columns)
@@ -401,7 +401,7 @@ class Dataset(Sequence):
             raise DatasetError(self.folder, f"train is {train}", "give a fraction of the worlds between 0 and 1")
         if len(hashes) < 2:
             raise DatasetError(
-                self.folder, "all episodes are of one world, which can't be split", "make a dataset with more --worlds"
+                self.folder, "all episodes are in one world, which can't be split", "make a dataset with more --worlds"
             )
         chosen = set(hashes[: min(max(round(train * len(hashes)), 1), len(hashes) - 1)])
         return self.where(lambda e: e.world_hash in chosen), self.where(lambda e: e.world_hash not in chosen)
@@ -454,7 +454,7 @@ def _json(file: Path) -> dict[str, Any]:
     except ValueError as e:
         raise DatasetError(file, f"not JSON: {e}", _AGAIN) from None
     if not isinstance(value, dict):
-        raise DatasetError(file, "it has no fields", _AGAIN)
+        raise DatasetError(file, "not an object", _AGAIN)
     return value
 
 
@@ -466,7 +466,7 @@ def _parquet(file: Path, columns: Sequence[str] | None) -> pa.Table:
         with pq.ParquetFile(file) as opened:
             return opened.read(columns=columns)
     except (pa.ArrowException, OSError) as e:
-        raise DatasetError(file, f"not a whole Parquet file: {e}", _AGAIN) from None
+        raise DatasetError(file, f"not a complete Parquet file: {e}", _AGAIN) from None
 
 
 def _array(file: Path, values: pa.ChunkedArray, column: Column) -> np.ndarray:
@@ -479,7 +479,7 @@ def _array(file: Path, values: pa.ChunkedArray, column: Column) -> np.ndarray:
     width = int(np.prod(column.shape, dtype=int))
     if array.size != count * width or array.dtype != column.dtype:
         raise DatasetError(
-            file, f"column {column.name} is not of {column.dtype} with {width} values a frame", _AGAIN
+            file, f"column {column.name} must have {width} values of {column.dtype} per frame", _AGAIN
         )
     return array.reshape(count, *column.shape)
 
@@ -519,5 +519,5 @@ def _episodes(folder: Path, data_path: str) -> tuple[list[Episode], list[_Place]
             except KeyError as e:
                 raise DatasetError(file, f"no column {e}", _AGAIN) from None
     if not episodes:
-        raise DatasetError(folder, "what tells of the episodes is missing: meta/episodes", "make or fetch the dataset again")
+        raise DatasetError(folder, "the descriptions of the episodes are missing: meta/episodes", "make or fetch the dataset again")
     return episodes, places

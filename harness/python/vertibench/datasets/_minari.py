@@ -53,7 +53,7 @@ def to_minari(
             must not be used for training. An incomplete result is removed.
     """
     if not isinstance(dataset_id, str) or not _NAME.fullmatch(dataset_id):
-        raise DatasetError("to_minari", f"{dataset_id!r} is no name in Minari's store", "give one such as vertibench/explore-v0")
+        raise DatasetError("to_minari", f"{dataset_id!r} is not a valid dataset name", "give one such as vertibench/explore-v0")
     try:
         import gymnasium
         import minari
@@ -63,7 +63,7 @@ def to_minari(
         raise _missing(e) from None
     if dataset.info.of_a_suite:
         raise DatasetError(
-            dataset.folder, "planners are judged on its worlds, so nothing may be trained on it", "take another dataset"
+            dataset.folder, "its worlds belong to a benchmark suite, which must not be used for training", "use another dataset"
         )
     parts = [c for c in dataset.columns.values() if c.name.startswith("observation.")]
     spaces = {}
@@ -98,7 +98,7 @@ def to_minari(
     actions = gymnasium.spaces.Box(_LOW, _HIGH, dtype=np.float32)
     path = Path(get_dataset_path(dataset_id))
     if path.exists():
-        raise DatasetError(path, "there is a dataset of this name already", "give another name or version, or delete it")
+        raise DatasetError(path, "a dataset with this name exists already", "give another name or version, or delete it")
     # The outermost folder that the call creates.
     begun = path
     while not begun.parent.exists():
@@ -143,7 +143,7 @@ def _environment(dataset: Dataset) -> Any:
 def _missing(e: ImportError) -> DatasetError:
     # If h5py is missing, Minari raises errors without a name.
     what = e.name or str(e)
-    return DatasetError("to_minari", f"a package is missing: {what}", "pip install 'minari[hdf5]' pillow")
+    return DatasetError("to_minari", f"a package is not installed: {what}", "pip install 'vertibench[minari]'")
 
 
 def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _yaml
-from . import _png
+from .. import _image, _yaml
 from ._errors import DatasetError
 
 #: Names of the terrain classes, in the order of their labels.
@@ -154,14 +153,12 @@ def read_world(
         world = _document(file)
         if world["schema"] != _SCHEMA:
             raise error(
-                file, f"version {world['schema']} of worlds, this package reads version {_SCHEMA}", "use a newer vertibench"
+                file, f"unsupported version {world['schema']} of the world format, supported: {_SCHEMA}", "use a newer vertibench"
             )
         grid = world["grid"]
         low, high = grid["height_range"]
         file = folder / "elevation.png"
-        levels = _png.read_grey16(file.read_bytes())
-        if levels.shape != (grid["rows"], grid["cols"]):
-            raise ValueError(f"{levels.shape[0]} x {levels.shape[1]} pixels, world.yaml has {grid['rows']} x {grid['cols']}")
+        levels = _image.read_grey16(file.read_bytes(), grid["rows"], grid["cols"])
         heights = scale * (low + (high - low) * (levels[::-1] / 65535))
         file = folder / "semantics.yaml"
         ground = _document(file)
@@ -195,9 +192,9 @@ def read_world(
 
 
 def _document(file: Path) -> dict:
-    value = _yaml.parse(file.read_text(encoding="utf-8"))
+    value = _yaml.read(file)
     if not isinstance(value, dict):
-        raise ValueError("it has no fields")
+        raise ValueError("not a mapping of fields")
     return value
 
 

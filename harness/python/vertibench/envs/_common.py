@@ -94,7 +94,7 @@ class Setup:
                 reward=_options.path("reward", reward) if weights is None else weights,
             )
         except (TypeError, OverflowError) as e:
-            raise OptionError(f"an option has a value of the wrong kind: {e}") from None
+            raise OptionError(f"an option has the wrong type: {e}") from None
         self.flat = flat
         self.parts = self.arena.parts()
         self.observation_space = self._observation_space()
@@ -106,7 +106,7 @@ class Setup:
         if self.flat:
             bound = self.arena.flat_bound
             if not self.arena.flat_width:
-                raise OptionError("observation: a flat one takes one part of numbers at least (class has labels only)")
+                raise OptionError("observation: a flat one needs at least one part with numbers (class has labels only)")
             return spaces.Box(-bound, bound, (self.arena.flat_width,), np.float32)
         boxes: dict[str, spaces.Space[Any]] = {}
         for part in self.parts:
@@ -128,11 +128,11 @@ def setup_of(arguments: Sequence[Any], options: Mapping[str, Any], kind: str) ->
     known = inspect.signature(Setup)
     for name in options:
         if name not in known.parameters:
-            raise OptionError(f"there is no option {name!r}: help({kind}) has all")
+            raise OptionError(f"there is no option {name!r}: help({kind}) lists all")
     try:
         known.bind(*arguments, **options)
     except TypeError as e:
-        raise OptionError(f"only suite and tasks may be given without their names, and each once: {e}") from None
+        raise OptionError(f"only suite and tasks can be given by position, and each once: {e}") from None
     return Setup(*arguments, **options)
 
 

@@ -19,10 +19,10 @@ class Limit:
 
     def __init__(self, most: int, mode: AutoresetMode, count: int, batch_size: int, has_curriculum: bool) -> None:
         if has_curriculum:
-            what = "a curriculum isn't told of episodes that are cut off so: let rules with another time limit end them"
+            what = "a curriculum needs the ends of all episodes: use rules with another time limit"
             raise OptionError(f"max_episode_steps: {most}: {what}")
         if batch_size < count and mode == AutoresetMode.SAME_STEP:
-            what = "with SAME_STEP it takes a batch_size of all environments: take NEXT_STEP, or rules with another time limit"
+            what = "with SAME_STEP, batch_size must be the number of environments: use NEXT_STEP, or rules with another time limit"
             raise OptionError(f"max_episode_steps: {most}: {what}")
         self.most, self.mode = most, mode
         #: Steps of each episode, and whether it was truncated here and no new one has begun.

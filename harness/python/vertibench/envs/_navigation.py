@@ -69,7 +69,7 @@ class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
     Args:
         suite: Suite directory, or name of a shipped suite, e.g. `"vb-100"`. None (default): generated training worlds,
             which no suite contains.
-        tasks: Selector, e.g. `"w001-w004,elevation=high"`, or list of task names. None (default): all tasks of the
+        tasks: Selector, e.g. `"elevation=high,terrain=rigid"`, or list of task names. None (default): all tasks of the
             suite.
         worlds: Number of training worlds if `suite` is None, 1 to 1000; default 18. Worlds are generated once (about 1
             s each) and cached.
@@ -228,7 +228,7 @@ class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
         """
         env = self._native()
         if not isinstance(state, State):
-            raise OptionError(f"set_state: {type(state).__name__} is no State: give what state() gave")
+            raise OptionError(f"set_state: {type(state).__name__} is not a State: give a result of state()")
         if state._snapshot is None:
             env.restore_from(state._bytes)
         else:
@@ -286,5 +286,5 @@ class NavigationEnv(Remade, gymnasium.Env[Any, np.ndarray]):
 
     def _native(self) -> _native.Env:
         if self._env is None:
-            raise EpisodeError("the environment is closed: make a new one")
+            raise EpisodeError("the environment is closed: create a new one")
         return self._env

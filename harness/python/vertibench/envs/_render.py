@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
-
 import numpy as np
 
 from .. import _native
 from .._errors import OptionError
+from .._image import encode_png
 from .._options import whole
 
 
@@ -23,7 +21,7 @@ class Picture:
         self.rgb = rgb
 
     def _repr_png_(self) -> bytes:
-        return png(self.rgb)
+        return encode_png(self.rgb)
 
 
 def picture(rgb: np.ndarray) -> Picture:
@@ -39,21 +37,8 @@ def picture(rgb: np.ndarray) -> Picture:
         OptionError: If the argument is no such array.
     """
     if not (isinstance(rgb, np.ndarray) and rgb.dtype == np.uint8 and rgb.ndim == 3 and rgb.shape[2] == 3):
-        raise OptionError("picture: give what render() gave, with render_mode='rgb_array'")
+        raise OptionError("picture: give a result of render() with render_mode='rgb_array'")
     return Picture(rgb)
-
-
-def png(rgb: np.ndarray) -> bytes:
-    """Encodes an image of shape (height, width, 3), uint8, as PNG."""
-    height, width, _ = rgb.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), rgb.reshape(height, width * 3)], axis=1)
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    content = zlib.compress(rows.tobytes(), 6)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", content) + chunk(b"IEND", b"")
 
 
 class Camera:

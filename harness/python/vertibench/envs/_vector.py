@@ -152,7 +152,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         except OptionError as e:
             (_, *arguments), options = self._made_of
             if "matches none of" in str(e) and not arguments and options.get("suite") is None and options.get("tasks") is None:
-                raise OptionError(f"{e}: make more training worlds, e.g. worlds={MANUAL_WORLDS}") from None
+                raise OptionError(f"{e}: generate more training worlds, e.g. worlds={MANUAL_WORLDS}") from None
             raise
 
     # All environments in one call.
@@ -209,7 +209,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         env = self._native()
         rows = self._rows(actions, self.num_envs)
         if env.pending():
-            raise EpisodeError(f"{env.pending()} environments are still at work: call recv until none is, or reset, which drops it")
+            raise EpisodeError(f"{env.pending()} environments are busy: call recv for each, or reset, which discards their steps")
         self._hand_out(env, self._all, rows)
         infos = self._receive(env, self.num_envs)[1]
         return (self._observations(None), *self._numbers(None), infos)
@@ -295,7 +295,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         if not env.pending():
             return
         if mask is not None:
-            raise EpisodeError(f"{env.pending()} environments are still at work: call recv until none is, or reset without reset_mask")
+            raise EpisodeError(f"{env.pending()} environments are busy: call recv for each, or reset without reset_mask")
         known = set(self.tasks)
         for task in tasks:
             if task is not None and task not in known:
@@ -309,19 +309,19 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         if _is_one(value):
             return [check(value)] * self.num_envs
         if len(value) != self.num_envs:
-            raise OptionError(f"{name}: there must be {self.num_envs}, one for each environment, not {len(value)}")
+            raise OptionError(f"{name}: give {self.num_envs} values, one per environment, not {len(value)}")
         return [check(one) for one in value]
 
     def _indices(self, name: str, index: Any) -> np.ndarray:
         given = np.atleast_1d(_array(index))
         if given.ndim != 1 or (given.dtype.kind not in "iu" and given.size):
-            raise OptionError(f"{name} must be made of whole numbers in one dimension, the indices of environments")
+            raise OptionError(f"{name} must be a one-dimensional array of whole numbers, the indices of environments")
         beyond = [k for k in given.tolist() if not 0 <= k < self.num_envs]
         if beyond:
             raise UnknownError(f"there is no environment {beyond[0]}: there are {self.num_envs}, counted from 0")
         ids = given.astype(np.int64)
         if len(np.unique(ids)) != len(ids):
-            raise OptionError(f"{name} names an environment twice")
+            raise OptionError(f"{name} contains an environment twice")
         return ids
 
     def _rows(self, actions: Any, count: int) -> np.ndarray:
@@ -331,7 +331,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
             raise ActionError(f"actions must be numbers of the shape ({count}, {width})")
         if rows.shape != (count, width):
             names = ", ".join(self._setup.action_names)
-            raise ActionError(f"actions have the shape ({count}, {width}) ({names} for each), not {rows.shape}")
+            raise ActionError(f"actions have the shape ({count}, {width}) ({names} each), not {rows.shape}")
         return rows
 
     def _hand_out(self, env: _native.VectorEnv, ids: np.ndarray, rows: np.ndarray) -> None:
@@ -435,7 +435,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
             EpisodeError: If an environment is busy, or has no episode where the method needs one.
         """
         if name not in _VIEWS:
-            raise UnknownError(f"call: {name!r} can't be asked of environments: there are {', '.join(_VIEWS)}")
+            raise UnknownError(f"call: environments have no {name!r}; there are {', '.join(_VIEWS)}")
         env = self._native()
         one = NavigationEnv.__new__(NavigationEnv)
         one._setup, one._camera = self._setup, self._camera
@@ -461,7 +461,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
         Raises:
             OptionError: Always.
         """
-        raise OptionError(f"set_attr: {name!r} can't be set: make environments with other options")
+        raise OptionError(f"set_attr: {name!r} can't be set: create environments with other options")
 
     def state(self, index: int) -> State:
         """Saves the simulation of one environment.
@@ -522,7 +522,7 @@ class NavigationVectorEnv(Remade, VectorEnv[Any, Any, Any]):
 
     def _native(self) -> _native.VectorEnv:
         if self._env is None:
-            raise EpisodeError("the environment is closed: make a new one")
+            raise EpisodeError("the environment is closed: create a new one")
         return self._env
 
 
@@ -590,7 +590,7 @@ class Curriculum:
             EpisodeError: If an environment is busy.
         """
         if not isinstance(state, str):
-            raise OptionError(f"restore: {type(state).__name__} is no state of a curriculum: give what state() gave")
+            raise OptionError(f"restore: {type(state).__name__} is not a state of a curriculum: give a result of state()")
         self._vector._native().restore_curriculum(state)
 
     def _told(self) -> tuple[list[float], list[int]]:

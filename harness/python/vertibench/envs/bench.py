@@ -122,7 +122,7 @@ def main() -> None:
         return gymnasium.make(NAME, suite="vb-100", tasks=tasks, observation=STATE)
 
     rigid = "terrain=rigid"
-    for what, tasks in (("low, rigid", f"{rigid}:elevation=low"), ("rigid", rigid), ("deformable", "terrain=deformable")):
+    for what, tasks in (("low, rigid", f"{rigid},elevation=low"), ("rigid", rigid), ("deformable", "terrain=deformable")):
         show(f"{what}: one environment", lambda tasks=tasks: single(tasks))
         for count in sorted({1, threads // 2 or 1, threads}):
             show(f"{what}: {chosen.envs} environments, {count} threads", vector(tasks, count))

@@ -76,7 +76,7 @@ class Sb3VecEnv(VecEnv):
         """Returns the options of `set_options` by name, one value per environment."""
         given = self._options
         if len(given) != self.num_envs or not all(isinstance(own, dict) for own in given):
-            raise OptionError(f"set_options: there must be a dictionary, or {self.num_envs}, one for each environment")
+            raise OptionError(f"set_options: give one dictionary, or {self.num_envs}, one per environment")
         names = dict.fromkeys(name for own in given for name in own)
         return {name: [own.get(name) for own in given] for name in names}
 
@@ -167,7 +167,7 @@ class Sb3VecEnv(VecEnv):
         Raises:
             AttributeError: Always.
         """
-        raise AttributeError(f"{attr_name}: the environments share their options: make new ones with other options")
+        raise AttributeError(f"{attr_name}: the environments share their options: create new ones with other options")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
         """Calls a method of `NavigationVectorEnv` that takes an index, i.e. `state`; call other methods on `vector`.

@@ -13,11 +13,11 @@ from ._work import Work
 def parser(program: str, about: str) -> argparse.ArgumentParser:
     """Returns an argument parser with the shared options."""
     own = argparse.ArgumentParser(prog=program, description=about)
-    own.add_argument("--shards", type=int, required=True, metavar="N", help="how many parts the work is split into")
-    own.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder of the results, which all machines see")
-    own.add_argument("--cpus", type=int, default=1, metavar="N", help="processors of each shard (default: 1)")
-    own.add_argument("--scratch", type=Path, metavar="DIR", help="a folder of each machine's own disk, to work in")
-    own.add_argument("arguments", nargs="+", metavar="ARGUMENT", help="after --: those of `vb-harness run`, or `sweep FILE`")
+    own.add_argument("--shards", type=int, required=True, metavar="N", help="number of shards")
+    own.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory of the results, shared by all machines")
+    own.add_argument("--cpus", type=int, default=1, metavar="N", help="processors per shard (default: 1)")
+    own.add_argument("--scratch", type=Path, metavar="DIR", help="working directory on the local disk of each machine")
+    own.add_argument("arguments", nargs="+", metavar="ARGUMENT", help="after --: arguments of `vb-harness run`, or `sweep FILE`")
     return own
 
 
@@ -28,4 +28,4 @@ def work_of(own: argparse.Namespace) -> Work:
 
 def ended(do: Callable[[], int]) -> int:
     """Calls the function and returns its exit code; an error becomes one line and an exit code."""
-    return _command.ended(do, "stopped; the same command goes on")
+    return _command.ended(do, "stopped; the same command continues")

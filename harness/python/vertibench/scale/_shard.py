@@ -126,7 +126,7 @@ def join(work: Work) -> int:
 
 def failed(end: ShardEnd) -> ScaleError:
     """Returns the error for a shard that has failed permanently."""
-    to_do = "the same command goes on where it was stopped" if end.is_worth_another_try else "mend it, then give the same command again"
+    to_do = "the same command continues" if end.is_worth_another_try else "correct the cause, then give the same command again"
     return ScaleError(f"shard {end.index}", f"it ended with code {end.code}: {end.said}", to_do)
 
 

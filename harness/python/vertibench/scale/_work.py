@@ -8,7 +8,7 @@ from pathlib import Path
 from .._errors import VertibenchError
 
 #: Options that this package sets per shard.
-_OWN = ("--shard", "--out", "--resume", "--jobs", "--json", "--message-format")
+_OWN = ("--shard", "--out", "-o", "--resume", "--jobs", "-j", "--json", "--message-format")
 
 
 class ScaleError(VertibenchError):
@@ -22,7 +22,7 @@ class Work:
     Create it with `Work.of`, which validates the arguments.
 
     Attributes:
-        arguments: Arguments of `vb-harness run`, e.g. `("--plugin", "pid.wasm")`, or `("sweep", FILE)`.
+        arguments: Arguments of `vb-harness run`, e.g. `("pid.wasm", "--seed", "7")`, or `("sweep", FILE)`.
         out: Directory that all machines see, absolute. The joined run is in `out/run`, the report of a sweep in
             `out/report`.
         shards: Number of shards, at least 1.
@@ -37,8 +37,8 @@ class Work:
         """Creates a work from a command line.
 
         Args:
-            arguments: Arguments of `vb-harness run` with `--plugin`, or `["sweep", FILE]`. A leading `"run"` is
-                ignored.
+            arguments: Arguments of `vb-harness run`, the planner first or with `--plugin`, or `["sweep", FILE]`. A leading
+                `"run"` is ignored.
             out: Directory for the results, which all machines see.
             shards: Number of shards, at least 1.
 
@@ -51,17 +51,17 @@ class Work:
         """
         own = [a for a in arguments if a.split("=")[0] in _OWN]
         if own:
-            raise ScaleError(own[0], "the option is set for each shard by itself", "leave it out")
+            raise ScaleError(own[0], "the option is set per shard automatically", "leave it out")
         if shards < 1:
-            raise ScaleError("--shards", f"{shards} is no number of shards", "give at least 1")
+            raise ScaleError("--shards", f"{shards} is not a number of shards", "give at least 1")
         if arguments[:1] == ["run"]:
             arguments = arguments[1:]
         if arguments[:1] == ["sweep"]:
             if len(arguments) != 2 or arguments[1].startswith("-"):
-                raise ScaleError("sweep", "it takes one file and no options", "give: sweep FILE")
+                raise ScaleError("sweep", "one file and no options are allowed", "give: sweep FILE")
             arguments = ["sweep", str(Path(arguments[1]).absolute())]
-        elif not any(a.split("=")[0] == "--plugin" for a in arguments):
-            raise ScaleError("the command line", "it names no planner", "give `-- --plugin pid.wasm …`, or `-- sweep FILE`")
+        elif not arguments or (arguments[0].startswith("-") and not any(a.split("=")[0] == "--plugin" for a in arguments)):
+            raise ScaleError("the command line", "no planner", "give `-- pid.wasm …`, or `-- sweep FILE`")
         # Machines start in different working directories.
         return cls(tuple(arguments), out.absolute(), shards)
 
@@ -82,7 +82,7 @@ class Work:
             Arguments of `vb-harness`.
         """
         place = "auto" if index is None else f"{index}/{self.shards}"
-        part = ["--shard", place, *([] if jobs is None else ["--jobs", str(jobs)])]
+        part = ["--resume", "--shard", place, *([] if jobs is None else ["--jobs", str(jobs)])]
         if self.is_sweep:
             return ["sweep", "run", self.arguments[1], "--out", str(self.out), *part]
         return ["run", *self.arguments, "--out", str(self.out / "shards"), *part]

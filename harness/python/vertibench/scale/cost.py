@@ -113,7 +113,7 @@ def main(arguments: list[str] | None = None) -> int:
     Returns:
         Exit code.
     """
-    options = argparse.ArgumentParser(prog="python -m vertibench.scale.cost", description="What a sweep costs on so many cores.")
+    options = argparse.ArgumentParser(prog="python -m vertibench.scale.cost", description="Estimates the cost of a sweep.")
     options.add_argument("--runs", type=above_zero, required=True, help="planners × parameters × vehicles × profiles × seeds")
     options.add_argument("--tasks", type=above_zero, default=1000, help="tasks of each run (default: 1000)")
     options.add_argument("--worlds", type=above_zero, default=100, help="worlds of each run (default: 100)")
@@ -122,8 +122,8 @@ def main(arguments: list[str] | None = None) -> int:
     options.add_argument("--cores", type=whole_number, required=True)
     options.add_argument("--shards", type=whole_number, help="default: as many as cores")
     options.add_argument("--no-traces", action="store_true", help="with `trace: none`")
-    options.add_argument("--scratch", action="store_true", help="shards write to a disk of their machine first")
-    options.add_argument("--operations", type=above_zero, default=5000, help="operations a second of the file system (default: 5000)")
+    options.add_argument("--scratch", action="store_true", help="shards write to a local disk first")
+    options.add_argument("--operations", type=above_zero, default=5000, help="file system operations per second (default: 5000)")
     own = options.parse_args(arguments)
     shards, traces = own.shards or own.cores, not own.no_traces
     found = cost(own.runs, own.tasks, own.worlds, own.seconds, own.cores, shards, traces, own.operations, own.scratch)

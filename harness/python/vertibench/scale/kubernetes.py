@@ -38,7 +38,7 @@ def manifests(work: Work, name: str, image: str, claim: str, cpus: int, at_a_tim
         ScaleError: If `work.out` is not below `/results`.
     """
     if not work.out.is_relative_to(RESULTS):
-        raise ScaleError("--out", f"{work.out} isn't on the volume", f"give a folder below {RESULTS}")
+        raise ScaleError("--out", f"{work.out} is not on the volume", f"give a folder below {RESULTS}")
     drive = _job(name, image, claim, cpus, ["vertibench", *work.shard(None, cpus)])
     drive["spec"].update(
         completions=work.shards,
@@ -101,16 +101,16 @@ def main(arguments: list[str] | None = None) -> int:
         Exit code.
     """
     options = parser("vertibench-kubernetes", "Writes the Indexed Job of the shards of a run or a sweep, and the job that joins them.")
-    options.add_argument("--image", required=True, help="the container image, with vertibench in it")
-    options.add_argument("--claim", required=True, help="the PersistentVolumeClaim of the results, mounted as /results")
-    options.add_argument("--name", default="vertibench", help="the name of the job (default: vertibench)")
-    options.add_argument("--at-a-time", type=int, default=256, metavar="N", help="how many pods run at a time (default: 256)")
-    options.add_argument("--retries", type=int, default=3, help="how often a shard is tried again (default: 3)")
+    options.add_argument("--image", required=True, help="container image with vertibench")
+    options.add_argument("--claim", required=True, help="PersistentVolumeClaim of the results, mounted as /results")
+    options.add_argument("--name", default="vertibench", help="name of the job (default: vertibench)")
+    options.add_argument("--at-a-time", type=int, default=256, metavar="N", help="maximum number of simultaneous pods (default: 256)")
+    options.add_argument("--retries", type=int, default=3, help="maximum number of retries of a shard (default: 3)")
     own = options.parse_args(arguments)
 
     def write() -> int:
         if own.scratch is not None:
-            raise ScaleError("--scratch", "pods write to the volume", "leave it out")
+            raise ScaleError("--scratch", "pods write to the volume", "remove the option")
         work = work_of(own)
         jobs = manifests(work, own.name, own.image, own.claim, own.cpus, own.at_a_time, own.retries)
         print(json.dumps({"apiVersion": "v1", "kind": "List", "items": jobs}, indent=2))

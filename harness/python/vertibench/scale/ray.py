@@ -79,11 +79,11 @@ def _end_of(ray: Any, ref: Any, index: int) -> ShardEnd:
         return end
     except ray.exceptions.RayTaskError as e:
         if isinstance(e.cause, _Again):
-            raise ScaleError(f"shard {index}", f"it was tried again in vain: {e.cause}", "the same command goes on") from None
+            raise ScaleError(f"shard {index}", f"all attempts failed: {e.cause}", "the same command continues") from None
         raise
     except ray.exceptions.RayError as e:
-        what = f"its worker was lost again and again: {str(e).splitlines()[0]}"
-        raise ScaleError(f"shard {index}", what, "see the logs of Ray; the same command goes on") from None
+        what = f"its worker was lost in all attempts: {str(e).splitlines()[0]}"
+        raise ScaleError(f"shard {index}", what, "see the logs of Ray; the same command continues") from None
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -96,8 +96,8 @@ def main(arguments: list[str] | None = None) -> int:
         Exit code.
     """
     options = parser("vertibench-ray", "Drives the shards of a run or a sweep on a Ray cluster, and joins them.")
-    options.add_argument("--address", help="the cluster; default: RAY_ADDRESS, or this machine alone")
-    options.add_argument("--retries", type=int, default=3, help="how often a shard is tried again (default: 3)")
+    options.add_argument("--address", help="address of the cluster (default: RAY_ADDRESS, otherwise this machine)")
+    options.add_argument("--retries", type=int, default=3, help="maximum number of retries of a shard (default: 3)")
     own = options.parse_args(arguments)
     return ended(lambda: run(work_of(own), own.cpus, own.retries, own.address, own.scratch))
 

@@ -63,7 +63,7 @@ def submit(
     """
     submitit = _submitit()
     if (work.out / SUBMITTED).exists():
-        raise ScaleError(work.out, "an array was submitted for it already", "collect it, or give another --out")
+        raise ScaleError(work.out, "an array has been submitted for it", "collect it, or give another --out")
     folder = work.out / "slurm"
     folder.mkdir(parents=True, exist_ok=True)
     executor = submitit.AutoExecutor(folder=folder, cluster="slurm")
@@ -93,7 +93,7 @@ def collect(out: Path) -> int:
     try:
         submitted = json.loads((out / SUBMITTED).read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise ScaleError(out, "no array was submitted for it", "give the folder that submit was given") from None
+        raise ScaleError(out, "no array has been submitted for it", "give the --out of submit") from None
     work = Work.from_json(submitted["work"])
     waiting = {k: submitit.SlurmJob(folder=out.absolute() / "slurm", job_id=name) for k, name in enumerate(submitted["jobs"], 1)}
     ends: list[ShardEnd] = []
@@ -116,7 +116,7 @@ def _end_of(index: int, job: Any) -> ShardEnd:
     except Exception as e:  # Any error of submitit or of the job.
         said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
         what = f"job {job.job_id} ended as {job.state}: {said[-1]}"
-        to_do = f"see {job.paths.stderr}; remove {SUBMITTED} and submit again, which goes on where it was stopped"
+        to_do = f"see {job.paths.stderr}; remove {SUBMITTED} and submit again, which continues the work"
         raise ScaleError(f"shard {index}", what, to_do) from None
     if not end.is_done:
         raise failed(end)
@@ -141,18 +141,18 @@ def main(arguments: list[str] | None = None) -> int:
         Exit code.
     """
     program = "vertibench-slurm"
-    options = argparse.ArgumentParser(prog=program, description="Drives the shards of a run or a sweep as a job array of Slurm.")
+    options = argparse.ArgumentParser(prog=program, description="Runs the shards of a run or a sweep as a Slurm job array.")
     commands = options.add_subparsers(required=True, metavar="COMMAND")
     about = "Submits the array."
     begin = commands.add_parser("submit", help=about, description=about, parents=[parser(program, about)], add_help=False)
-    begin.add_argument("--minutes", type=int, default=60, help="the time of each job; one that needs more goes on in another")
-    begin.add_argument("--at-a-time", type=int, default=256, metavar="N", help="how many jobs run at a time (default: 256)")
-    begin.add_argument("--sbatch", action="append", default=[], metavar="NAME=VALUE", help="an option of sbatch, e.g. partition=cpu")
-    begin.add_argument("--wait", action="store_true", help="wait for the jobs, and join their results")
+    begin.add_argument("--minutes", type=int, default=60, help="time limit of a job; longer work continues in another job (default: 60)")
+    begin.add_argument("--at-a-time", type=int, default=256, metavar="N", help="maximum number of simultaneous jobs (default: 256)")
+    begin.add_argument("--sbatch", action="append", default=[], metavar="NAME=VALUE", help="option of sbatch, e.g. partition=cpu")
+    begin.add_argument("--wait", action="store_true", help="wait for the jobs and join their results")
     begin.set_defaults(run=_submit)
     about = "Waits for the jobs of an array, and joins their results."
     end = commands.add_parser("collect", help=about, description=about)
-    end.add_argument("out", type=Path, metavar="DIR", help="the folder that submit was given")
+    end.add_argument("out", type=Path, metavar="DIR", help="the --out of submit")
     end.set_defaults(run=lambda own: collect(own.out))
     own = options.parse_args(arguments)
     return ended(lambda: int(own.run(own)))
@@ -163,14 +163,14 @@ def _submit(own: argparse.Namespace) -> int:
     for pair in own.sbatch:
         name, equals, value = pair.partition("=")
         if not name or not equals:
-            raise ScaleError("--sbatch", f"{pair!r} is no option", "give NAME=VALUE, e.g. partition=cpu")
+            raise ScaleError("--sbatch", f"{pair!r} is not an option", "give NAME=VALUE, e.g. partition=cpu")
         parameters[name.replace("-", "_")] = value
     work = work_of(own)
     names = submit(work, own.cpus, own.minutes, parameters, own.at_a_time, own.scratch)
     print(f"submitted {names[0]} to {names[-1]}")
     if own.wait:
         return collect(work.out)
-    print(f"when they are done: vertibench-slurm collect {work.out}")
+    print(f"after their end: vertibench-slurm collect {work.out}")
     return 0
 
 

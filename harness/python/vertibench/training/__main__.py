@@ -31,7 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m vertibench.training", description="Trains policies, and makes planners of them.")
+    parser = argparse.ArgumentParser(prog="python -m vertibench.training", description="Trains policies and makes planners from them.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     def command(name: str, run: Any, about: str) -> argparse.ArgumentParser:
@@ -39,40 +39,40 @@ def _parser() -> argparse.ArgumentParser:
         own.set_defaults(run=run)
         return own
 
-    train = command("train", _train, "Trains a planner; goes on where it was cut off.")
-    train.add_argument("planner", help="a planner of the configuration: rl, mcl, acl")
-    train.add_argument("--out", type=Path, required=True, help="the folder of the run")
+    train = command("train", _train, "Trains a planner; continues an interrupted training.")
+    train.add_argument("planner", help="planner of the configuration: rl, mcl, acl")
+    train.add_argument("--out", type=Path, required=True, help="folder of the run")
     train.add_argument("--seed", type=int, default=0)
-    train.add_argument("--config", default="policy", help="a name of tasks/training, or a file")
-    train.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", help="changes a field of the configuration")
-    train.add_argument("--until", type=whole_number, help="stop after so many steps; the configuration's where it isn't given")
-    train.add_argument("--threads", type=whole_number, help="threads that step environments; all processors where it isn't given")
+    train.add_argument("--config", default="policy", help="name in tasks/training, or file (default: policy)")
+    train.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", help="replaces a field of the configuration")
+    train.add_argument("--until", type=whole_number, help="environment steps at which to stop (default: the configuration's)")
+    train.add_argument("--threads", type=whole_number, help="threads that step environments (default: number of processors)")
 
-    train.add_argument("--clone", type=Path, metavar="DATASET", help="begin with what planners did in this dataset of demonstrations")
+    train.add_argument("--clone", type=Path, metavar="DATASET", help="clone the demonstrations in this dataset first")
 
-    export = command("export", _export, "Writes the weights of a checkpoint as planners read them, and checks them.")
-    export.add_argument("run_folder", type=Path, metavar="RUN", help="the folder of a run, or of one of its checkpoints")
-    export.add_argument("weights", type=Path, help="the file to write")
+    export = command("export", _export, "Writes the weights of a checkpoint in the planners' format, and verifies them.")
+    export.add_argument("run_folder", type=Path, metavar="RUN", help="folder of a run or of a checkpoint")
+    export.add_argument("weights", type=Path, help="file to write")
 
-    package = command("package", _package, "Makes a planner of weights: a file that vertibench drives.")
+    package = command("package", _package, "Makes a planner from weights: a file for `vertibench --plugin`.")
     package.add_argument("weights", type=Path)
-    package.add_argument("planner", type=Path, help="the file to write, e.g. my-policy.wasm")
-    package.add_argument("--name", help="the planner's name; that of the file where it isn't given")
-    package.add_argument("--about", default="A policy that was trained in the environments of vertibench")
+    package.add_argument("planner", type=Path, help="file to write, e.g. my-policy.wasm")
+    package.add_argument("--name", help="name of the planner (default: name of the file)")
+    package.add_argument("--about", default="A policy trained in the environments of vertibench")
 
-    evaluate = command("evaluate", _evaluate, "Drives tasks with a checkpoint's policy, without noise.")
-    evaluate.add_argument("run_folder", type=Path, metavar="RUN", help="the folder of a run, or of one of its checkpoints")
-    evaluate.add_argument("--suite", help="a suite; the held-out worlds where it isn't given")
-    evaluate.add_argument("--tasks", help="a selector of its tasks")
+    evaluate = command("evaluate", _evaluate, "Runs tasks with the policy of a checkpoint, without noise.")
+    evaluate.add_argument("run_folder", type=Path, metavar="RUN", help="folder of a run or of a checkpoint")
+    evaluate.add_argument("--suite", help="suite (default: the held-out worlds)")
+    evaluate.add_argument("--tasks", help="task selector")
 
-    card = command("card", _card, "Drives held-out tasks with a policy and what it must beat, and writes its card.")
-    card.add_argument("run_folder", type=Path, metavar="RUN", help="the folder of a run, or of one of its checkpoints")
-    card.add_argument("card", type=Path, help="the file to write, JSON")
-    card.add_argument("--beside", type=Path, nargs="*", default=[], metavar="RUN", help="other runs, e.g. of an ablation")
+    card = command("card", _card, "Compares a policy with a baseline in held-out tasks, and writes its card.")
+    card.add_argument("run_folder", type=Path, metavar="RUN", help="folder of a run or of a checkpoint")
+    card.add_argument("card", type=Path, help="JSON file to write")
+    card.add_argument("--beside", type=Path, nargs="*", default=[], metavar="RUN", help="other runs to compare, e.g. an ablation")
 
-    curves = command("curves", _curves, "Draws success on held-out worlds against steps, with intervals over seeds.")
-    curves.add_argument("runs", type=Path, nargs="+", help="folders of runs, or tables that this command has written before")
-    curves.add_argument("--out", type=Path, required=True, help="the picture to write, an SVG; a table comes beside it as CSV")
+    curves = command("curves", _curves, "Plots success in held-out worlds over steps, with intervals over seeds.")
+    curves.add_argument("runs", type=Path, nargs="+", help="folders of runs, or tables that this command has written")
+    curves.add_argument("--out", type=Path, required=True, help="SVG file to write; a CSV table is written next to it")
     return parser
 
 
@@ -93,7 +93,7 @@ def _package(own: argparse.Namespace) -> None:
     from ._package import package
 
     package(own.weights, own.planner, own.name or own.planner.stem, own.about)
-    print(f"{own.planner}: drive it by `vertibench --plugin {own.planner}`")
+    print(f"{own.planner}: run it with `vertibench --plugin {own.planner}`")
 
 
 def _evaluate(own: argparse.Namespace) -> None:
@@ -119,7 +119,7 @@ def _pair(text: str) -> tuple[str, str]:
 
     field, found, value = text.partition("=")
     if not found:
-        raise TrainingError(f"--set {text}", "it isn't FIELD=VALUE", "e.g. --set ppo.batch=512")
+        raise TrainingError(f"--set {text}", "not FIELD=VALUE", "e.g. --set ppo.batch=512")
     return field, value
 
 

@@ -41,7 +41,7 @@ def card(policy: Path, out: Path, others: list[Path]) -> str:
     names = ["policy", BASELINE, *(other.name for other in others)]
     for k, name in enumerate(names):
         if name in names[:k]:
-            raise TrainingError(others[k - 2], f"there is another {name} in the card", "give the folder of the run another name")
+            raise TrainingError(others[k - 2], f"the card has another run with the name {name}", "rename the folder of the run")
     with tempfile.TemporaryDirectory() as folder:
         made, config, driven = _drive(policy, names[0], Path(folder))
         others_driven = [_drive(other, name, Path(folder))[2] for other, name in zip(others, names[2:])]
@@ -95,7 +95,7 @@ def _drive(policy: Path, name: str, folder: Path) -> tuple[dict[str, Any], Confi
     }
     weights, planner = folder / f"{name}.vbnn", folder / f"{name}.wasm"
     weights.write_bytes(content)
-    package(weights, planner, _name(name), "A policy whose card is made")
+    package(weights, planner, _name(name), "Policy of a card")
     return made, config, run(planner, out=folder / name, progress=False, **_where(config))
 
 

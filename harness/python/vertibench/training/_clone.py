@@ -67,16 +67,16 @@ def demonstrations(config: Config, folder: Path) -> tuple[np.ndarray, np.ndarray
         the dataset's hash with the number of episodes.
 
     Raises:
-        TrainingError: If planners are judged on the dataset's worlds, it has another vehicle or rate than the policy,
+        TrainingError: If the dataset's worlds belong to a benchmark suite, it has another vehicle or rate than the policy,
             or an episode has no task.
         DatasetError: If the dataset can't be read.
     """
     data = datasets.open(folder)
     if data.info.of_a_suite:
-        raise TrainingError(folder, "planners are judged on its worlds", "take demonstrations from training worlds")
+        raise TrainingError(folder, "its worlds belong to a benchmark suite", "use demonstrations from training worlds")
     if data.info.vehicle != config["vehicle"] or data.info.hz != 10:
-        what = f"it is of {data.info.vehicle} at {data.info.hz} Hz, and not of {config['vehicle']} at 10 Hz"
-        raise TrainingError(folder, what, "take another dataset")
+        what = f"it has {data.info.vehicle} at {data.info.hz} Hz; the policy needs {config['vehicle']} at 10 Hz"
+        raise TrainingError(folder, what, "use another dataset")
     slowest, fastest = config["speed_range"]
     envs = NavigationVectorEnv(1, suite=folder / "suite", **config.sees_and_does())
     arena, parts = envs._setup.arena, envs._setup.parts
@@ -84,7 +84,7 @@ def demonstrations(config: Config, folder: Path) -> tuple[np.ndarray, np.ndarray
     actions = []
     for k, episode in enumerate(data.episodes):
         if not episode.task:
-            raise TrainingError(folder, f"episode {episode.index} has no task", "take a dataset of `vertibench dataset drive`")
+            raise TrainingError(folder, f"episode {episode.index} has no task", "use a dataset of `vertibench dataset drive`")
         frames = data.frames(k, ["observation.state", "action"])
         state, command = frames["observation.state"].astype(np.float64), frames["action"].astype(np.float64)
         held = np.vstack([np.zeros((1, 3)), command[:-1, :3]])

@@ -200,12 +200,12 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
     if path.suffix == "" and path.name == str(name):
         path = tasks_path() / "training" / f"{name}.yaml"
     try:
-        read = _yaml.parse(path.read_text(encoding="utf-8"))
+        read = _yaml.read(path)
     except OSError as e:
         there = ", ".join(sorted(p.stem for p in (tasks_path() / "training").glob("*.yaml")))
         raise TrainingError(path, f"it can't be read: {e.strerror or e}", f"give a YAML file, or one of {there}") from None
     except ValueError as e:
-        raise TrainingError(path, one_line(e), "correct the file") from None
+        raise TrainingError(path, one_line(e), "correct it") from None
     values = _flat(path, read)
     for field, text in (changes or {}).items():
         if field not in _FIELDS:
@@ -213,7 +213,7 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
         try:
             values[field] = _yaml.parse(f"value: {text}")["value"]
         except (ValueError, TypeError):
-            raise TrainingError(f"--set {field}", f"{text!r} is no value", "give a number or a list") from None
+            raise TrainingError(f"--set {field}", f"{text!r} is not a value", "give a number, text or list in YAML") from None
     return checked(path, values)
 
 
@@ -226,10 +226,10 @@ def checked(path: Path, values: dict[str, Any]) -> Config:
     ppo = values["algorithm"] == "ppo"
     one = values["environments"] * (values["ppo.steps"] if ppo else 1)
     if values["checkpoint"] % one:
-        what = f"checkpoint: {values['checkpoint']} is no multiple of environments{' times ppo.steps' if ppo else ''}, {one}"
+        what = f"checkpoint: {values['checkpoint']} is not a multiple of environments{' times ppo.steps' if ppo else ''}, {one}"
         raise TrainingError(path, what, "change one of them")
     if values["held_out.seed"] == values["worlds.seed"]:
-        raise TrainingError(path, "held_out.seed: it is that of the worlds that are learned in", "take another")
+        raise TrainingError(path, "held_out.seed: it must differ from worlds.seed, the seed of the training worlds", "choose another seed")
     return Config(values)
 
 
@@ -261,14 +261,14 @@ def _problem(field: str, value: Any, bounds: tuple[float, float] | None) -> str 
         if not _is_number(value) or not bounds[0] <= value <= bounds[1]:
             return f"lie in {bounds[0]} to {bounds[1]}"
         if field in _COUNTS and not isinstance(value, int):
-            return "be a whole number, without a point"
+            return "be a whole number without decimal point"
         if field == "time_step" and abs(_TICK / value - round(_TICK / value)) > 1e-9:
             return f"divide {_TICK} s"
     elif field in _LISTS:
         return _problem_of_list(field, value)
     elif field == "planners":
         if not isinstance(value, dict) or not value or not all(isinstance(c, str) and c for c in value.values()):
-            return "be names with their curricula"
+            return "map names of planners to curricula"
     elif field in _CHOICES:
         if not any(value is choice or (isinstance(value, str) and value == choice) for choice in _CHOICES[field]):
             return f"be {' or '.join(str(choice).lower() for choice in _CHOICES[field])}"
@@ -296,7 +296,7 @@ def _problem_of_list(field: str, value: Any) -> str | None:
             return None
         known = [name for name, _, _ in parts()]
         if not set(value) <= set(known):
-            return f"be made of {', '.join(known)}"
+            return f"consist of {', '.join(known)}"
     return None
 
 

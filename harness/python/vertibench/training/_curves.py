@@ -46,7 +46,7 @@ def curves(sources: list[Path], out: Path) -> str:
         for name, seed, steps, success in _table(source) if source.is_file() else _run(source):
             points[name][steps][seed] = success
     if not points:
-        raise TrainingError(sources[0], "no success was measured yet", "train until the first checkpoint")
+        raise TrainingError(sources[0], "no measurement of success", "train until the first checkpoint")
     with out.with_suffix(".csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(_COLUMNS)
@@ -78,7 +78,7 @@ def _run(run: Path) -> list[tuple[str, int, int, float]]:
         lines = [json.loads(line) for line in (run / "progress.jsonl").read_text(encoding="utf-8").splitlines()]
         state = json.loads(min(run.glob("checkpoint-*/state.json")).read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
-        what = f"it is no run with a checkpoint: {e}"
+        what = f"not a run with a checkpoint: {e}"
         raise TrainingError(run, what, "give folders that `train` has written, or tables of `curves`") from None
     measured = [line for line in lines if "held_out" in line]
     return [(state["planner"], state["seed"], line["steps"], line["held_out"].get("success", 0.0)) for line in measured]
@@ -90,7 +90,7 @@ def _table(file: Path) -> list[tuple[str, int, int, float]]:
             rows = list(csv.DictReader(read))
         return [(row["planner"], int(row["seed"]), int(row["steps"]), float(row["success_percent"])) for row in rows]
     except (OSError, ValueError, KeyError, TypeError) as e:
-        what = f"it is no table of curves: {type(e).__name__}: {e}"
+        what = f"not a table of curves: {type(e).__name__}: {e}"
         raise TrainingError(file, what, "give a CSV that `curves` has written, or folders of runs") from None
 
 
@@ -117,7 +117,7 @@ def _picture(points: Points) -> str:
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="sans-serif" font-size="13">',
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="#ffffff"/>',
-        "<title>Success on held-out worlds against steps of training</title>",
+        "<title>Success in held-out worlds over training steps</title>",
     ]
     for percent in range(0, 101, 20):
         parts.append(f'<path d="M{_LEFT} {y(percent)}H{_WIDTH - _RIGHT}" stroke="#dddddd"/>')
@@ -126,11 +126,11 @@ def _picture(points: Points) -> str:
         parts.append(f'<path d="M{x(steps)} {_HEIGHT - _BOTTOM}v5" stroke="#333333"/>')
         label = f"{steps / 1e6:g} M" if most >= 1e6 else f"{steps / 1e3:g} k"
         parts.append(f'<text x="{x(steps)}" y="{_HEIGHT - _BOTTOM + 20}" text-anchor="middle" fill="#333333">{label}</text>')
-    parts.append(f'<text x="{_LEFT + wide / 2}" y="{_HEIGHT - 8}" text-anchor="middle" fill="#333333">steps of training</text>')
+    parts.append(f'<text x="{_LEFT + wide / 2}" y="{_HEIGHT - 8}" text-anchor="middle" fill="#333333">training steps</text>')
     middle = _TOP + high / 2
     parts.append(
         f'<text x="14" y="{middle}" text-anchor="middle" fill="#333333" transform="rotate(-90 14 {middle})">'
-        "success on held-out worlds, %</text>"
+        "success in held-out worlds, %</text>"
     )
     labels: list[tuple[float, str, str]] = []
     for (name, at), colour in zip(sorted(points.items()), _COLOURS * 9):

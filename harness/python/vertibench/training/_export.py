@@ -42,10 +42,10 @@ def export(run: Path, weights: Path) -> str:
     content = bytes(weights_of(method, config, state))
     greatest, count = compare(method, config, content)
     if greatest > TOLERANCE:
-        what = f"actions by these weights differ from the policy's by {greatest:.2e} on {count} observations"
-        raise TrainingError(weights, what, f"{TOLERANCE:g} is allowed: please report it")
+        what = f"actions of these weights differ from those of the policy by {greatest:.2e} on {count} observations"
+        raise TrainingError(weights, what, f"the limit is {TOLERANCE:g}: please report it")
     weights.write_bytes(content)
-    return f"{weights}: {len(content)} bytes; actions differ from the policy's by {greatest:.1e} at most, on {count} observations"
+    return f"{weights}: {len(content)} bytes; actions differ from those of the policy by at most {greatest:.1e} on {count} observations"
 
 
 def weights_of(method: Method, config: Config, state: dict[str, Any]) -> Weights:

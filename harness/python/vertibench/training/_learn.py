@@ -24,9 +24,10 @@ from stable_baselines3.common.utils import set_random_seed
 
 from ..envs import NavigationVectorEnv
 from ..envs.sb3 import Sb3VecEnv, make_vec
+from ._algorithms import make_method
 from ._clone import clone
 from ._config import Config, TrainingError
-from ._method import Method, make_method
+from ._method import Method
 from ._network import Rows, rows
 
 #: Files of a checkpoint.
@@ -68,8 +69,8 @@ class Learner:
         self.method: Method = make_method(config, Rows(self.envs), self.envs.vector._setup.parts, seed)
         self.model.lr_schedule = self._rate
         if self.method.surprise() is None and '"replay"' in self._curriculum_state():
-            what = f"the curriculum {curriculum} goes by how surprising episodes were, which {config['algorithm']} doesn't tell"
-            raise TrainingError(planner, what, "set algorithm to ppo, or take another curriculum")
+            what = f"the curriculum {curriculum} needs scores of episodes, which {config['algorithm']} doesn't compute"
+            raise TrainingError(planner, what, "set algorithm to ppo, or choose another curriculum")
 
     @property
     def model(self) -> BaseAlgorithm:
@@ -308,7 +309,7 @@ def read_state(checkpoint: Path) -> dict[str, Any]:
     try:
         return json.loads((checkpoint / STATE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as e:
-        raise TrainingError(checkpoint, f"it is no checkpoint: {e}", "give a folder that `train` has written") from None
+        raise TrainingError(checkpoint, f"not a checkpoint: {e}", "give a folder that `train` has written") from None
 
 
 def read_parameters(model: BaseAlgorithm, checkpoint: Path) -> None:
@@ -316,7 +317,7 @@ def read_parameters(model: BaseAlgorithm, checkpoint: Path) -> None:
     try:
         parameters = torch.load(checkpoint / MODEL, map_location="cpu", weights_only=True)
     except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as e:
-        raise TrainingError(checkpoint / MODEL, f"it can't be read: {e}", "go on from an earlier checkpoint") from None
+        raise TrainingError(checkpoint / MODEL, f"it can't be read: {e}", "continue from an earlier checkpoint") from None
     model.set_parameters(parameters, device="cpu")
 
 

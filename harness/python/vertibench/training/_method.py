@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.vec_env import VecEnv
 
 from ._config import Config
 from ._network import Eyes, Leaky, Parts, SharedPlanes
@@ -96,11 +95,3 @@ def policy_options(config: Config, parts: Parts) -> dict[str, Any]:
         "features_extractor_kwargs": {"shared": shared, **eyes},
         "activation_fn": Leaky,
     }
-
-
-def make_method(config: Config, envs: VecEnv, parts: Parts, seed: int) -> Method:
-    """Creates the configuration's algorithm with untrained networks."""
-    from ._ppo import Ppo
-    from ._sac import Sac
-
-    return {"ppo": Ppo, "sac": Sac}[config["algorithm"]](config, envs, parts, seed)

@@ -64,8 +64,8 @@ def mirror(parts: Parts) -> tuple[np.ndarray, np.ndarray]:
         elif part["name"] in _MIRRORED:
             turned = np.resize([-1.0 if name in _TURNED else 1.0 for name in part["names"]], own.size)
         else:
-            what = f"{part['name']} has no mirror image"
-            raise TrainingError("observation", what, "leave the part out, or set sac.mirror to false")
+            what = f"{part['name']} has no mirror augmentation"
+            raise TrainingError("observation", what, "remove the part, or set sac.mirror to false")
         indices.append(begin + own.ravel())
         signs.append(turned)
         begin += own.size

@@ -37,9 +37,9 @@ def package(weights: str | PathLike[str], planner: str | PathLike[str], name: st
     """
     notes, content = read_weights(weights)
     if not _NAME.fullmatch(name):
-        raise TrainingError(f"--name {name}", "a planner's name holds a-z, 0-9, - and _ only", "give another name")
+        raise TrainingError(f"--name {name}", "the name of a planner must consist of a-z, 0-9, - and _", "give another name")
     if len(content) > CAPACITY:
-        what = f"{len(content)} bytes are more than a planner has room for, {CAPACITY}"
+        what = f"{len(content)} bytes exceed the {CAPACITY} bytes that a planner has for weights"
         raise TrainingError(weights, what, "train a smaller network (network.planes, network.widths)")
     template = plugin_path("learned.wasm").read_bytes()
     model = f"{Path(weights).name} sha256 {hashlib.sha256(content).hexdigest()}"
@@ -59,7 +59,7 @@ def _needs(parts: list[str]) -> list[str]:
 def _filled(template: bytes, content: bytes) -> bytes:
     at = template.find(MARK)
     if at < 0 or template.find(MARK, at + 1) >= 0:
-        raise TrainingError("learned.wasm", "it has no room for weights", "install vertibench again")
+        raise TrainingError("learned.wasm", "it has no space for weights", "install vertibench again")
     at += len(MARK)
     filled = len(content).to_bytes(4, "little") + content
     return template[:at] + filled + template[at + len(filled) :]

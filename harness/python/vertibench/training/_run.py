@@ -8,9 +8,10 @@ from typing import Any, TextIO
 
 from ..envs._vector import processors
 from . import _libraries as _libraries
+from ._algorithms import make_method
 from ._config import Config, TrainingError, checked, read_config
 from ._learn import MODEL, Learner, last_checkpoint, read_parameters, read_state, success
-from ._method import Method, make_method
+from ._method import Method
 from ._network import Rows
 
 #: File with the progress of training, one JSON object per line.
@@ -56,12 +57,12 @@ def train(
     if checkpoint is not None:
         _same(folder, read_state(checkpoint), planner, seed, config)
     folder.mkdir(parents=True, exist_ok=True)
-    print(f"{planner}, seed {seed}: making worlds", file=out, flush=True)
+    print(f"{planner}, seed {seed}: generating worlds", file=out, flush=True)
     learner = Learner(folder, config, planner, seed, processors() if threads is None else threads)
     try:
         if checkpoint is not None:
             learner.resume(checkpoint)
-            print(f"going on from {checkpoint.name}", file=out, flush=True)
+            print(f"continuing from {checkpoint.name}", file=out, flush=True)
         elif demonstrations is not None:
             print(f"cloned: {json.dumps(learner.clone(demonstrations))}", file=out, flush=True)
             learner.save()
@@ -82,7 +83,7 @@ def _same(folder: Path, state: dict[str, Any], planner: str, seed: int, config: 
     for key, value in own.items():
         if state[key] != value:
             told = "another configuration" if key == "config" else f"{key} {state[key]}"
-            raise TrainingError(folder, f"the run there is of {told}", "give another folder with --out, or what it was begun with")
+            raise TrainingError(folder, f"the folder contains a run with {told}", "give another folder with --out, or the settings of that run")
 
 
 def _forget(log: Path, steps: int) -> None:
@@ -108,7 +109,7 @@ def checkpoint_of(folder: Path) -> Path:
         return folder
     checkpoint = last_checkpoint(folder)
     if checkpoint is None:
-        raise TrainingError(folder, "there is no checkpoint", "give the folder of a run that `train` has written")
+        raise TrainingError(folder, "no checkpoint", "give the folder of a run that `train` has written")
     return checkpoint
 
 

@@ -139,5 +139,5 @@ class Memory(NStepReplayBuffer):
                     getattr(self, name)[: len(kept[name])] = kept[name]
                 self.pos, self.full = int(kept["pos"]), bool(kept["full"])
         except (OSError, ValueError, KeyError) as e:
-            what = f"the steps that were remembered can't be read: {e}"
-            raise TrainingError(file, what, "train anew into another folder; export and evaluate don't need them") from None
+            what = f"the replay buffer can't be read: {e}"
+            raise TrainingError(file, what, "start a new training in another folder; export and evaluate don't need the file") from None

@@ -79,6 +79,6 @@ def read_weights(path: str | PathLike[str]) -> tuple[dict[str, str], bytes]:
     head, found, _ = content.partition(b"\n\n")
     lines = head.decode("utf-8", "replace").splitlines()
     if not found or not lines or lines[0] != _FIRST:
-        raise TrainingError(path, "these are no weights", "give a file that `export` has written")
+        raise TrainingError(path, "not a weight file", "give a file that `export` has written")
     notes = dict(line.split(": ", 1) for line in lines[1:] if ": " in line)
     return notes, content

@@ -224,7 +224,7 @@ fn other_rules_give_other_verdicts_without_simulating() {
 
     // A wider radius decides earlier, before the planner's fault at 3 s: 120 m − 4 m/s · 3 s = 108 m.
     let wide = Rules::BUILTIN[0].1.replace("radius_m: 10.0", "radius_m: 110.0");
-    let again = rescore(tmp.path(), &Rules::from_yaml("wide", &wide).unwrap()).unwrap();
+    let again = rescore(tmp.path(), &Rules::parse(&wide, "wide").unwrap()).unwrap();
     let d = &again.records[3];
     assert_eq!((d.outcome, d.fault), (Outcome::Success, None));
     assert!((d.time_s - 2.5).abs() <= 0.01 + 1e-9, "{}", d.time_s);
@@ -253,7 +253,7 @@ fn another_rollover_rule_needs_no_traces() {
         let (head, rest) = Rules::BUILTIN[0].1.split_once("rollover:").unwrap();
         let tail = rest.split_once("out_of_bounds:").unwrap().1;
         let text = format!("{head}{rollover}out_of_bounds:{tail}");
-        Rules::from_yaml("other", &text.replace("name: paper", "name: other")).unwrap()
+        Rules::parse(&text.replace("name: paper", "name: other"), "other").unwrap()
     };
     // The vehicle leans by 40° after 1 s, then by 10°, and creeps until it is stuck; its pitch is 20°.
     let leans = |time: f64| Sample {

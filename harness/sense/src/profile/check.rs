@@ -4,9 +4,10 @@ use super::{
     Confusions, DepthModel, GnssError, Inertial, LidarModel, MountModel, PoseModel, PriorElevation,
     PriorSemantics, ProfileData, Spells, WheelModel,
 };
+use vb_files::Flaw;
+use vb_files::document::within;
 use vb_sdk::metadata::is_rate;
 
-const SCHEMA: u32 = 1;
 /// The most rays of a sensor at a time, which bounds memory and time.
 const MOST_RAYS: u64 = 1 << 20;
 /// The most cells along the side of a local map.
@@ -17,24 +18,10 @@ const LEAST_RESOLUTION: f64 = 0.05;
 /// and the time to make it rises with the square.
 const MOST_SMOOTHING: f64 = 30.0;
 
-/// A flaw: the field, and its value with what would be right.
-pub(super) struct Flaw {
-    pub(super) field: String,
-    pub(super) problem: String,
-}
-
 type Checked = Result<(), Flaw>;
 
 fn flaw(field: impl Into<String>, problem: impl Into<String>) -> Checked {
-    Err(Flaw { field: field.into(), problem: problem.into() })
-}
-
-/// Whether a value lies between two others, both included. NaN doesn't.
-fn within(field: &str, value: f64, low: f64, high: f64) -> Checked {
-    if value >= low && value <= high {
-        return Ok(());
-    }
-    flaw(field, format!("{value} must lie in {low} to {high}"))
+    Err(Flaw::new(field, problem))
 }
 
 /// The same for several fields of one part.
@@ -225,10 +212,6 @@ fn prior(p: &ProfileData) -> Checked {
 
 /// The first flaw of a profile, if it has one.
 pub(super) fn check(p: &ProfileData) -> Checked {
-    if p.schema != SCHEMA {
-        let problem = format!("version {} is not supported, this build reads version {SCHEMA}", p.schema);
-        return flaw("schema", problem);
-    }
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if p.name.is_empty() || p.name.len() > 64 || !p.name.chars().all(is_word) {
         return flaw("name", format!("{:?} must be a word of small letters, digits and hyphens", p.name));

@@ -9,12 +9,11 @@ mod confusion;
 pub use confusion::{Confusions, Seen};
 pub(crate) use confusion::{OBSTACLE, Recogniser, UNKNOWN};
 
-use crate::SenseError;
 use serde::Deserialize;
 use std::path::Path;
 
+use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_sdk::metadata::{Metadata, Need};
-use vb_world::yaml;
 
 /// A profile, and what its file is told apart by.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +26,7 @@ pub struct Profile {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileData {
-    /// The version of this format, which is 1.
-    pub schema: u32,
+    pub schema: Schema<1>,
     pub name: String,
     /// What the profile stands for, in one line, for people.
     pub description: String,
@@ -313,12 +311,21 @@ pub struct LocalMapModel {
     pub memory: u32,
 }
 
-/// The profiles that come with the harness: their names, and the texts of their files.
-const BUILT_IN: [(&str, &str); 3] = [
-    ("oracle", include_str!("../../../../tasks/perception/oracle.yaml")),
-    ("onboard", include_str!("../../../../tasks/perception/onboard.yaml")),
-    ("degraded", include_str!("../../../../tasks/perception/degraded.yaml")),
-];
+impl Document for ProfileData {
+    type File = Self;
+    const KIND: &'static str = "perception profile";
+    const FIELDS: &'static str = "docs/perception.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
+        ("oracle", include_str!("../../../../tasks/perception/oracle.yaml")),
+        ("onboard", include_str!("../../../../tasks/perception/onboard.yaml")),
+        ("degraded", include_str!("../../../../tasks/perception/degraded.yaml")),
+    ];
+
+    fn from_file(data: Self) -> Result<Self, Flaw> {
+        check::check(&data)?;
+        Ok(data)
+    }
+}
 
 /// The name of the profile without any error.
 pub const ORACLE: &str = "oracle";
@@ -326,13 +333,13 @@ pub const ORACLE: &str = "oracle";
 impl Profile {
     /// The names of the profiles that come with the harness.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        BUILT_IN.iter().map(|(name, _)| *name)
+        ProfileData::BUILTIN.iter().map(|(name, _)| *name)
     }
 
     /// The profile of this name that comes with the harness; `None` if there is none.
     #[must_use]
     pub fn built_in(name: &str) -> Option<Self> {
-        let (name, text) = BUILT_IN.iter().find(|(n, _)| *n == name)?;
+        let (name, text) = ProfileData::BUILTIN.iter().find(|(n, _)| *n == name)?;
         // Tests parse them all, so they have no flaw.
         Some(Self::parse(text, name).unwrap_or_else(|e| unreachable!("built-in profile: {e}")))
     }
@@ -346,24 +353,21 @@ impl Profile {
     /// Reads a profile from a file.
     ///
     /// # Errors
-    /// Returns [`SenseError::Unreadable`] for a file that can't be read or is too large for a profile, and
-    /// [`SenseError::Flaw`] as [`Profile::parse`] does.
-    pub fn load(path: &Path) -> Result<Self, SenseError> {
+    /// Returns an error if the file cannot be read, and as [`Self::parse`].
+    pub fn load(path: &Path) -> Result<Self, DocumentError> {
         let file = path.display().to_string();
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|e| SenseError::Unreadable { file: file.clone(), problem: e.to_string() })?;
-        Self::parse(&text, &file)
+        match vb_files::read_text(path, vb_files::DOCUMENT) {
+            Ok(text) => Self::parse(&text, &file),
+            Err(e) => Err(Flaw::new("", e.to_string()).of(ProfileData::KIND, file)),
+        }
     }
 
-    /// Reads a profile from the text of a file, whose name is for messages.
+    /// Reads a profile from text; messages name it `file`.
     ///
     /// # Errors
-    /// Returns [`SenseError::Flaw`] with the first field that isn't as it should be.
-    pub fn parse(text: &str, file: &str) -> Result<Self, SenseError> {
-        let flaw =
-            |field: String, problem: String| SenseError::Flaw { file: file.to_owned(), field, problem };
-        let data: ProfileData = yaml::parse(text).map_err(|e| flaw(e.field, e.problem))?;
-        check::check(&data).map_err(|e| flaw(e.field, e.problem))?;
+    /// Returns an error if the text is not YAML, or if a field is missing, unknown or invalid.
+    pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
+        let data = ProfileData::parse(text, file)?;
         Ok(Self { data, sha256: vb_files::sha256(text.as_bytes()) })
     }
 

@@ -1,7 +1,7 @@
 //! Profiles: those that are shipped, and what is refused.
 
 use crate::common::{altered_text, flat, hmmwv, needs, scene, seed};
-use vb_sense::{Perception, Profile, SenseError};
+use vb_sense::{Perception, Profile};
 
 #[test]
 fn the_shipped_profiles_are_valid_and_named_as_their_files() {
@@ -20,7 +20,7 @@ fn the_shipped_profiles_are_valid_and_named_as_their_files() {
 fn a_profile_that_cannot_be_is_refused_with_its_field_and_value() {
     // A shipped profile, a text in it, another in its place, and what the message must say.
     let cases = [
-        ("onboard", "schema: 1", "schema: 2", "schema: version 2 is not supported"),
+        ("onboard", "schema: 1", "schema: 2", "version 2 is not supported"),
         ("onboard", "name: onboard", "name: On Board", "name: \"On Board\""),
         ("onboard", "rows: 32", "rows: 0", "lidar.rows: 0 must lie in 1"),
         ("onboard", "cols: 512", "cols: 65536", "lidar.cols: 32 x 65536 are 2097152 rays"),
@@ -109,9 +109,9 @@ fn a_profile_that_cannot_be_is_refused_with_its_field_and_value() {
 #[test]
 fn a_file_that_is_none_is_refused_with_its_name() {
     let e = Profile::load("/nowhere/p.yaml".as_ref()).unwrap_err();
-    assert!(matches!(&e, SenseError::Unreadable { file, .. } if file == "/nowhere/p.yaml"), "{e}");
+    assert!(e.field.is_empty() && e.file == "/nowhere/p.yaml", "{e}");
     let dir = tempfile::tempdir().unwrap();
-    assert!(matches!(Profile::load(dir.path()), Err(SenseError::Unreadable { .. })));
+    assert!(Profile::load(dir.path()).is_err());
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Sets of soils as data: `tasks/soils/*.yaml`.
 
 use super::law::SoilLaw;
-use crate::error::SimError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use vb_files::document::within;
+use vb_files::{Document, Flaw, Schema};
 use vb_world::{SoilLevel, TerrainClass};
 
 /// A set of soils and the hash of its file, by which runs are told apart.
@@ -22,8 +22,7 @@ pub struct Soils {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilSet {
-    /// The version of this format, which is 1.
-    pub schema: u32,
+    pub schema: Schema<1>,
     pub name: String,
     /// A description in one line, for people.
     pub description: String,
@@ -61,29 +60,6 @@ impl Levels {
 }
 
 impl SoilSet {
-    /// Reads and validates a soil file.
-    ///
-    /// # Errors
-    /// Returns [`SimError::SoilsUnreadable`] or [`SimError::SoilsInvalid`], which name the file, the field and the
-    /// value.
-    pub fn load(path: &Path) -> Result<Self, SimError> {
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|e| SimError::SoilsUnreadable { path: path.to_owned(), reason: e.to_string() })?;
-        Self::parse(&text, &path.display().to_string())
-    }
-
-    /// Parses and validates the text of a soil file. `file` is its name in messages.
-    ///
-    /// # Errors
-    /// Returns [`SimError::SoilsInvalid`], which names the field and the value.
-    pub fn parse(text: &str, file: &str) -> Result<Self, SimError> {
-        let invalid =
-            |field: String, reason: String| SimError::SoilsInvalid { file: file.to_owned(), field, reason };
-        let set: Self = vb_world::yaml::parse(text).map_err(|e| invalid(e.field, e.problem))?;
-        set.check().map_err(|(field, reason)| invalid(field, reason))?;
-        Ok(set)
-    }
-
     /// The soil of a deformable class at a level; `None` for a rigid class.
     #[must_use]
     pub fn law(&self, class: TerrainClass, level: SoilLevel) -> Option<&SoilLaw> {
@@ -99,12 +75,9 @@ impl SoilSet {
         }
     }
 
-    fn check(&self) -> Result<(), (String, String)> {
-        if self.schema != 1 {
-            return Err(("schema".to_owned(), format!("{} is unknown; this version reads 1", self.schema)));
-        }
+    fn check(&self) -> Result<(), Flaw> {
         for (name, law) in &self.soils {
-            law.check().map_err(|(field, reason)| (format!("soils.{name}.{field}"), reason))?;
+            law.check().map_err(|flaw| flaw.within(&format!("soils.{name}")))?;
         }
         for class in TerrainClass::ALL {
             let Some(levels) = self.levels(class) else { continue };
@@ -112,10 +85,9 @@ impl SoilSet {
                 let wanted = levels.of(level);
                 if !self.soils.contains_key(wanted) {
                     let names: Vec<_> = self.soils.keys().map(String::as_str).collect();
-                    return Err((
-                        format!("classes.{}.{}", class.name(), level.name()),
-                        format!("{wanted:?} is none of the soils: {}", names.join(", ")),
-                    ));
+                    let field = format!("classes.{}.{}", class.name(), level.name());
+                    let problem = format!("{wanted:?} is none of the soils: {}", names.join(", "));
+                    return Err(Flaw::new(field, problem));
                 }
             }
         }
@@ -123,35 +95,35 @@ impl SoilSet {
     }
 }
 
-/// A value that is out of its range, with its field and what is allowed.
-pub(super) fn range(
-    field: &'static str,
-    value: f64,
-    low: f64,
-    high: f64,
-) -> Result<(), (&'static str, String)> {
-    if (low..=high).contains(&value) {
-        return Ok(());
+impl Document for SoilSet {
+    type File = Self;
+    const KIND: &'static str = "soil set";
+    const FIELDS: &'static str = "docs/soils.md";
+
+    fn from_file(set: Self) -> Result<Self, Flaw> {
+        set.check()?;
+        Ok(set)
     }
-    Err((field, format!("{value} must lie between {low} and {high}")))
 }
 
+vb_files::document!(SoilSet);
+
 impl SoilLaw {
-    fn check(&self) -> Result<(), (&'static str, String)> {
+    fn check(&self) -> Result<(), Flaw> {
         self.sinkage.check()?;
         self.slip_sinkage.check()?;
-        range("cohesion", self.cohesion, 0.0, 1e6)?;
-        range("friction_angle_deg", self.friction_angle_deg, 0.0, 60.0)?;
-        range("shear_modulus", self.shear_modulus, 1e-4, 1.0)?;
-        range("damping", self.damping, 0.0, 1e6)?;
+        within("cohesion", self.cohesion, 0.0, 1e6)?;
+        within("friction_angle_deg", self.friction_angle_deg, 0.0, 60.0)?;
+        within("shear_modulus", self.shear_modulus, 1e-4, 1.0)?;
+        within("damping", self.damping, 0.0, 1e6)?;
         // Unloading softer than loading would give energy back; harder than this would need a smaller step.
-        range("elastic_stiffness", self.elastic_stiffness, self.sinkage.softest_unloading(), 1e9)?;
+        within("elastic_stiffness", self.elastic_stiffness, self.sinkage.softest_unloading(), 1e9)?;
         if let Some(steel) = self.steel_friction {
-            range("steel_friction", steel, 0.0, 1.0)?;
+            within("steel_friction", steel, 0.0, 1.0)?;
         }
         if let Some(b) = self.bulldozing {
-            range("bulldozing.erosion_angle_deg", b.erosion_angle_deg, 1.0, 80.0)?;
-            range("bulldozing.flow", b.flow, 0.0, 2.0)?;
+            within("bulldozing.erosion_angle_deg", b.erosion_angle_deg, 1.0, 80.0)?;
+            within("bulldozing.flow", b.flow, 0.0, 2.0)?;
         }
         Ok(())
     }
@@ -219,24 +191,21 @@ mod tests {
             SoilSet::parse(&ORIGINAL.replacen(from, to, 1), "s.yaml").unwrap_err().to_string()
         };
         let e = broken("friction_angle_deg: 30.0", "friction_angle_deg: 95.0");
-        assert!(
-            e.starts_with("s.yaml: soils.") && e.contains("friction_angle_deg: 95 must lie between"),
-            "{e}"
-        );
+        assert!(e.starts_with("s.yaml: soils.") && e.contains("friction_angle_deg: 95 must lie in"), "{e}");
         let e = broken("soft: snow", "soft: slush");
         assert!(e.contains("classes.") && e.contains("\"slush\" is none of the soils: "), "{e}");
         let e = broken("elastic_stiffness: 4.0e7", "elastic_stiffness: 10.0");
-        assert!(e.contains("elastic_stiffness: 10 must lie between"), "{e}");
+        assert!(e.contains("elastic_stiffness: 10 must lie in"), "{e}");
         let e = broken("k_phi: 0.2e6", "k_phi: 0.2");
-        assert!(e.contains("soils.snow.sinkage.k_phi: 0.2 must lie between"), "{e}");
+        assert!(e.contains("soils.snow.sinkage.k_phi: 0.2 must lie in"), "{e}");
         let e =
             broken("    cohesion: 0.0", "    slip_sinkage: {type: lyasko, strength: 2.0}\n    cohesion: 0.0");
-        assert!(e.contains("soils.snow.slip_sinkage.strength: 2 must lie between"), "{e}");
+        assert!(e.contains("soils.snow.slip_sinkage.strength: 2 must lie in"), "{e}");
         let e = broken(
             "type: bekker, k_phi: 0.2e6, k_c: 0.0, exponent: 1.1",
             "type: snow, depth: 0.2, density: 5.0",
         );
-        assert!(e.contains("soils.snow.sinkage.density: 5 must lie between"), "{e}");
+        assert!(e.contains("soils.snow.sinkage.density: 5 must lie in"), "{e}");
         let e = broken("cohesion: 0.0", "stickiness: 0.0");
         assert!(e.contains("stickiness"), "{e}");
     }

@@ -1,6 +1,8 @@
 //! Pressure over sinkage: Bekker's half-space, and snow of finite depth.
 
 use serde::{Deserialize, Serialize};
+use vb_files::Flaw;
+use vb_files::document::within;
 
 /// The pressure of the soil over sinkage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,17 +94,16 @@ impl Sinkage {
     }
 
     /// A field that is out of its range, with what is allowed.
-    pub(super) fn check(&self) -> Result<(), (&'static str, String)> {
-        let range = super::set::range;
+    pub(super) fn check(&self) -> Result<(), Flaw> {
         match *self {
             Self::Bekker { k_phi, k_c, exponent } => {
-                range("sinkage.k_phi", k_phi, 1e3, 1e9)?;
-                range("sinkage.k_c", k_c, 0.0, 1e8)?;
-                range("sinkage.exponent", exponent, 0.05, 3.0)
+                within("sinkage.k_phi", k_phi, 1e3, 1e9)?;
+                within("sinkage.k_c", k_c, 0.0, 1e8)?;
+                within("sinkage.exponent", exponent, 0.05, 3.0)
             }
             Self::Snow { depth, density } => {
-                range("sinkage.depth", depth, 0.01, 3.0)?;
-                range("sinkage.density", density, 50.0, 600.0)
+                within("sinkage.depth", depth, 0.01, 3.0)?;
+                within("sinkage.density", density, 50.0, 600.0)
             }
         }
     }

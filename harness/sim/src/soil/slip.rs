@@ -1,6 +1,8 @@
 //! Slip sinkage: a wheel or track that slips digs itself in.
 
 use serde::{Deserialize, Serialize};
+use vb_files::Flaw;
+use vb_files::document::within;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
@@ -27,8 +29,8 @@ impl SlipSinkage {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), (&'static str, String)> {
-        super::set::range("slip_sinkage.strength", self.strength(), 0.0, 1.0)
+    pub(super) fn check(&self) -> Result<(), Flaw> {
+        within("slip_sinkage.strength", self.strength(), 0.0, 1.0)
     }
 }
 

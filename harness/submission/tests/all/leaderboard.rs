@@ -369,14 +369,24 @@ fn scores_hold_nothing_of_tasks_worlds_logs_or_the_suites_identity() {
     records[0]["reason"] = "SECRET-REASON".into();
     records[0]["log"] = json!(["SECRET-LOG"]);
     records[0]["backtrace"] = json!(["SECRET-TRACE"]);
-    records[0]["fault"] = "SECRET-FAULT".into();
+    records[0]["fault"] = "planner/panic".into();
     b.copy("run", "hidden-run");
     b.write_records("hidden-run/tasks.jsonl", &records);
     let runs = vb_report::Runs::read(&[b.path("hidden-run")]).unwrap();
     let scores = Scores::new(&runs, "1");
     let text = format!("{}{}", serde_json::to_string_pretty(&scores).unwrap(), scores.text());
     let path = b.dir.path().to_str().unwrap();
-    for word in ["SECRET", "w001", "w002", "t00", &b.suite.hash(), &b.suite.hash()[..8], path, "somebody"] {
+    for word in [
+        "SECRET",
+        "planner/panic",
+        "w001",
+        "w002",
+        "t00",
+        &b.suite.hash(),
+        &b.suite.hash()[..8],
+        path,
+        "somebody",
+    ] {
         assert!(!text.contains(word), "{word}: {text}");
     }
     assert_eq!((scores.tasks, scores.success_percent), (4, 75.0));

@@ -1,7 +1,8 @@
 //! Suites that results may already name: whoever changes one gives it a new version.
 
 use serde::Deserialize;
-use vb_world::{Suite, yaml};
+use vb_files::yaml;
+use vb_world::Suite;
 
 /// `tasks/released.yaml`, the list that this build was made with.
 const LIST: &str = include_str!("../../../../tasks/released.yaml");

@@ -25,7 +25,6 @@ pub(crate) use params::{check_clip, check_friction, check_model, check_path, che
 pub(crate) use surfaces::Surfaces;
 
 use crate::path::{PathError, PathParams, Planner};
-use crate::rules::ParamsError;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -72,7 +71,7 @@ pub enum GenerateError {
     World { world: String, flaw: Flaw },
     /// The rules do not suit the terrain model.
     #[error(transparent)]
-    Rules(#[from] ParamsError),
+    Rules(#[from] vb_files::Flaw),
     /// The suite could not be written.
     #[error(transparent)]
     Suite(#[from] SuiteError),

@@ -1,8 +1,10 @@
 //! The generator's rules as data: `tasks/generator/default.yaml` and files like it.
 
 use crate::path::PathParams;
-use crate::rules::{self, MOST_NODES, ParamsError, Rules, flaw, range_within, within};
+use crate::rules::{self, MOST_NODES, flaw};
 use serde::Deserialize;
+use vb_files::document::{pair_within, within};
+use vb_files::{Document, Flaw, Schema};
 use vb_terrain::{Model, ShapeParams, Shaping};
 use vb_world::{Density, Elevation, Terrain, TerrainClass};
 
@@ -109,13 +111,13 @@ impl ElevationParams {
     ///
     /// # Errors
     /// Returns the flaw if the shape does not suit the model's resolution.
-    pub fn shaping(&self, model: &Model) -> Result<Option<Shaping>, ParamsError> {
+    pub fn shaping(&self, model: &Model) -> Result<Option<Shaping>, Flaw> {
         let shaping = |p| Shaping::new(p, model.header().resolution, model.metre()).map_err(shape_flaw);
         self.shape.as_ref().map(shaping).transpose()
     }
 }
 
-fn shape_flaw((field, problem): (String, String)) -> ParamsError {
+fn shape_flaw((field, problem): (String, String)) -> Flaw {
     flaw(format!("elevation.shape.{field}"), problem)
 }
 
@@ -252,7 +254,8 @@ pub struct StandParams {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeneratorParams {
-    schema: u32,
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     pub name: String,
     pub grid: GridParams,
     pub elevation: ElevationParams,
@@ -281,20 +284,12 @@ impl GeneratorParams {
         rules::built_in(Self::PAPER_YAML)
     }
 
-    /// Reads and checks rules.
-    ///
-    /// # Errors
-    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
-    pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        rules::parse(text)
-    }
-
     /// Half the side of the world, m.
     pub(crate) fn half(&self) -> f64 {
         0.5 * (self.grid.nodes - 1) as f64 * self.grid.resolution
     }
 
-    fn check_surface(&self) -> Result<(), ParamsError> {
+    fn check_surface(&self) -> Result<(), Flaw> {
         let (grid, e) = (&self.grid, &self.elevation);
         within("grid.nodes", grid.nodes, 3, MOST_NODES)?;
         within("grid.resolution", grid.resolution, 1e-3, 1e3)?;
@@ -308,7 +303,7 @@ impl GeneratorParams {
         check_model("elevation.model", &e.model)
     }
 
-    fn check_ground(&self) -> Result<(), ParamsError> {
+    fn check_ground(&self) -> Result<(), Flaw> {
         let g = &self.ground;
         if g.patches == 0 || !(self.grid.nodes - 1).is_multiple_of(g.patches) {
             let cells = self.grid.nodes - 1;
@@ -344,7 +339,7 @@ impl GeneratorParams {
         Ok(())
     }
 
-    fn check_obstacles(&self) -> Result<(), ParamsError> {
+    fn check_obstacles(&self) -> Result<(), Flaw> {
         let o = &self.obstacles;
         for density in Density::ALL {
             for (name, n) in [("boulders", o.boulders.get(density)), ("trees", o.trees.get(density))] {
@@ -364,7 +359,7 @@ impl GeneratorParams {
             ("trunk_height", o.trunk_height),
         ];
         for (name, range) in ranges {
-            range_within(&format!("obstacles.{name}"), range, 1e-2, 100.0)?;
+            pair_within(&format!("obstacles.{name}"), range, 1e-2, 100.0)?;
         }
         within("obstacles.buried", o.buried, 0.0, 0.99)?;
         within("obstacles.extent", o.extent, 0.0, self.half())?;
@@ -386,14 +381,21 @@ impl GeneratorParams {
     }
 }
 
-impl Rules for GeneratorParams {
-    const SCHEMA: u32 = 1;
+impl Document for GeneratorParams {
+    type File = Self;
+    const KIND: &'static str = "rules";
+    const FIELDS: &'static str = "docs/making-suites.md";
 
-    fn schema(&self) -> u32 {
-        self.schema
+    fn from_file(rules: Self) -> Result<Self, Flaw> {
+        rules.check()?;
+        Ok(rules)
     }
+}
 
-    fn check(&self) -> Result<(), ParamsError> {
+vb_files::document!(GeneratorParams);
+
+impl GeneratorParams {
+    fn check(&self) -> Result<(), Flaw> {
         self.check_surface()?;
         self.check_ground()?;
         self.check_obstacles()?;
@@ -405,23 +407,23 @@ impl Rules for GeneratorParams {
 }
 
 /// Whether a terrain model is named.
-pub(crate) fn check_model(field: &str, name: &str) -> Result<(), ParamsError> {
+pub(crate) fn check_model(field: &str, name: &str) -> Result<(), Flaw> {
     if name.is_empty() { Err(flaw(field, "is empty: name a terrain model")) } else { Ok(()) }
 }
 
 /// Whether the friction of every patch can lie in a range.
-pub(crate) fn check_clip(field: &str, clip: [f64; 2]) -> Result<(), ParamsError> {
-    range_within(field, clip, 0.01, 2.0)
+pub(crate) fn check_clip(field: &str, clip: [f64; 2]) -> Result<(), Flaw> {
+    pair_within(field, clip, 0.01, 2.0)
 }
 
 /// Whether friction can be distributed so.
-pub(crate) fn check_friction(field: &str, friction: Normal) -> Result<(), ParamsError> {
+pub(crate) fn check_friction(field: &str, friction: Normal) -> Result<(), Flaw> {
     within(&format!("{field}.mean"), friction.mean, 0.0, 2.0)?;
     within(&format!("{field}.std"), friction.std, 0.0, 2.0)
 }
 
 /// Whether ground to stand on is described in a way that a world of that half side, m, can have.
-pub(crate) fn check_stand(field: &str, stand: &StandParams, half: f64) -> Result<(), ParamsError> {
+pub(crate) fn check_stand(field: &str, stand: &StandParams, half: f64) -> Result<(), Flaw> {
     let within = |name: &str, value, low, high| within(&format!("{field}.{name}"), value, low, high);
     within("reach", stand.reach, 0.01, half)?;
     within("tilt", stand.tilt, 0.0, 90.0)?;
@@ -442,7 +444,7 @@ pub(crate) fn finest_path_grid(half: f64) -> f64 {
 }
 
 /// Whether the global planner's rules suit a world of that half side, m.
-pub(crate) fn check_path(field: &str, path: &PathParams, half: f64) -> Result<(), ParamsError> {
+pub(crate) fn check_path(field: &str, path: &PathParams, half: f64) -> Result<(), Flaw> {
     within(&format!("{field}.clearance"), path.clearance, 0.0, half)?;
     within(&format!("{field}.grid"), path.grid, finest_path_grid(half), half)?;
     within(&format!("{field}.spacing"), path.spacing, 0.01, half)
@@ -480,7 +482,7 @@ mod tests {
     #[test]
     fn flaws_of_a_parameter_file_are_named() {
         let cases = [
-            ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
+            ("schema: 1", "schema: 2", "version 2 is not supported"),
             ("nodes: 129", "nodes: 2", "grid.nodes: 2 must lie in 3 to 4097"),
             ("resolution: 1.0", "resolution: .nan", "grid.resolution: NaN must lie in"),
             ("medium: 0.555", "medium: steep", "elevation.std.medium: \"steep\""),
@@ -514,7 +516,7 @@ mod tests {
         for (from, to, expected) in cases {
             assert!(GeneratorParams::DEFAULT_YAML.contains(from), "{from}");
             let text = GeneratorParams::DEFAULT_YAML.replacen(from, to, 1);
-            let message = GeneratorParams::parse(&text).unwrap_err().to_string();
+            let message = GeneratorParams::parse(&text, "mine.yaml").unwrap_err().to_string();
             assert!(message.contains(expected), "{message}\nlacks {expected}");
         }
     }

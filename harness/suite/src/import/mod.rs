@@ -12,9 +12,10 @@ use crate::path::{PathError, PathParams, Planner};
 use config::Config;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use vb_files::yaml;
 use vb_world::{
     Flaw, Heightfield, Obstacle, ObstacleKind, Pose2, Provenance, Semantics, SoilLevels, SuiteMeta, Task,
-    Terrain, TerrainClass, World, yaml,
+    Terrain, TerrainClass, World,
 };
 
 /// The reason why data could not be imported. Each message names the place and what to do.

@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use vb_files::{Document, Flaw, Schema};
 use vb_world::{SoilLevels, TerrainClass};
 
-use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw};
+use crate::rules::{self, MOST_NODES, Square, flaw};
 
 /// The rules by which a survey becomes worlds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteParams {
-    pub schema: u32,
+    pub schema: Schema<1>,
     pub name: String,
     /// The distance between the nodes of a world, m.
     pub resolution: f64,
@@ -68,14 +69,6 @@ impl Default for SiteParams {
 impl SiteParams {
     pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/site.yaml");
 
-    /// Reads rules from YAML.
-    ///
-    /// # Errors
-    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
-    pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        rules::parse(text)
-    }
-
     fn square(&self) -> Square {
         Square { resolution: self.resolution, patch: self.patch, side: self.side }
     }
@@ -91,14 +84,21 @@ impl SiteParams {
     }
 }
 
-impl Rules for SiteParams {
-    const SCHEMA: u32 = 1;
+impl Document for SiteParams {
+    type File = Self;
+    const KIND: &'static str = "rules";
+    const FIELDS: &'static str = "docs/making-suites.md";
 
-    fn schema(&self) -> u32 {
-        self.schema
+    fn from_file(rules: Self) -> Result<Self, Flaw> {
+        rules.check()?;
+        Ok(rules)
     }
+}
 
-    fn check(&self) -> Result<(), ParamsError> {
+vb_files::document!(SiteParams);
+
+impl SiteParams {
+    fn check(&self) -> Result<(), Flaw> {
         self.square().check("")?;
         if self.nodes() > MOST_NODES {
             let most = (MOST_NODES - 1) as f64 * self.resolution;
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn flaws_of_a_site_file_are_named() {
         let cases = [
-            ("schema: 1", "schema: 3", "schema: version 3 is not supported"),
+            ("schema: 1", "schema: 3", "version 3 is not supported"),
             ("resolution: 1.0", "resolution: 0", "resolution: 0 must lie in"),
             ("patch: 8.0", "patch: 7.5", "patch: 7.5 must be a multiple of resolution, 1"),
             ("side: 128.0", "side: 100.0", "side: 100 must be a multiple of patch, 8"),
@@ -146,7 +146,7 @@ mod tests {
         for (from, to, expected) in cases {
             assert!(SiteParams::DEFAULT_YAML.contains(from), "{from}");
             let text = SiteParams::DEFAULT_YAML.replacen(from, to, 1);
-            let message = SiteParams::parse(&text).unwrap_err().to_string();
+            let message = SiteParams::parse(&text, "mine.yaml").unwrap_err().to_string();
             assert!(message.contains(expected), "{message}\nlacks {expected}");
         }
         assert_eq!((SiteParams::default().nodes(), SiteParams::default().patches()), (129, 16));

@@ -1,19 +1,22 @@
 //! The rules of a bed as data: `tasks/generator/testbed.yaml` and files like it.
 
 use serde::Deserialize;
+use vb_files::document::within;
+use vb_files::{Document, Flaw, Schema};
 use vb_world::{Elevation, TerrainClass};
 
 use crate::generate::{
     Normal, StandParams, check_clip, check_friction, check_model, check_path, check_stand,
 };
 use crate::path::PathParams;
-use crate::rules::{self, MOST_NODES, ParamsError, Rules, Square, flaw, within};
+use crate::rules::{self, MOST_NODES, Square, flaw};
 
 /// The rules of a bed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestbedParams {
-    schema: u32,
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
     pub name: String,
     pub bed: BedParams,
     pub elevation: BedElevation,
@@ -111,15 +114,7 @@ impl Default for TestbedParams {
 impl TestbedParams {
     pub const DEFAULT_YAML: &'static str = include_str!("../../../../tasks/generator/testbed.yaml");
 
-    /// Reads rules from YAML.
-    ///
-    /// # Errors
-    /// Returns the first flaw: an unknown, missing or mistyped field, or a value out of its range.
-    pub fn parse(text: &str) -> Result<Self, ParamsError> {
-        rules::parse(text)
-    }
-
-    fn check_materials(&self) -> Result<(), ParamsError> {
+    fn check_materials(&self) -> Result<(), Flaw> {
         let Materials { clip, all } = &self.materials;
         check_clip("materials.clip", *clip)?;
         if all.is_empty() {
@@ -152,14 +147,21 @@ impl TestbedParams {
     }
 }
 
-impl Rules for TestbedParams {
-    const SCHEMA: u32 = 1;
+impl Document for TestbedParams {
+    type File = Self;
+    const KIND: &'static str = "rules";
+    const FIELDS: &'static str = "docs/testbed.md";
 
-    fn schema(&self) -> u32 {
-        self.schema
+    fn from_file(rules: Self) -> Result<Self, Flaw> {
+        rules.check()?;
+        Ok(rules)
     }
+}
 
-    fn check(&self) -> Result<(), ParamsError> {
+vb_files::document!(TestbedParams);
+
+impl TestbedParams {
+    fn check(&self) -> Result<(), Flaw> {
         self.square().check("bed.")?;
         let side = self.bed.side;
         if !(3..=MOST_NODES).contains(&self.nodes()) {
@@ -193,7 +195,7 @@ mod tests {
     #[test]
     fn flaws_of_a_file_are_named() {
         let cases = [
-            ("schema: 1", "schema: 2", "schema: version 2 is not supported"),
+            ("schema: 1", "schema: 2", "version 2 is not supported"),
             ("resolution: 0.5", "resolution: 0.0", "bed.resolution: 0 must lie in"),
             ("patch: 10.0", "patch: 10.2", "bed.patch: 10.2 must be a multiple of bed.resolution, 0.5"),
             ("side: 80.0", "side: 85.0", "bed.side: 85 must be a multiple of bed.patch, 10"),
@@ -215,7 +217,7 @@ mod tests {
         for (from, to, expected) in cases {
             assert!(TestbedParams::DEFAULT_YAML.contains(from), "{from}");
             let text = TestbedParams::DEFAULT_YAML.replacen(from, to, 1);
-            let message = TestbedParams::parse(&text).unwrap_err().to_string();
+            let message = TestbedParams::parse(&text, "mine.yaml").unwrap_err().to_string();
             assert!(message.contains(expected), "{message}\nlacks {expected}");
         }
         let params = TestbedParams::default();

@@ -26,7 +26,7 @@ fn changed(rules: &str, changes: &[(&str, &str)]) -> GeneratorParams {
         assert!(text.contains(from), "{from}");
         text = text.replacen(from, to, 1);
     }
-    GeneratorParams::parse(&text).unwrap()
+    GeneratorParams::parse(&text, "mine.yaml").unwrap()
 }
 
 /// The terrain model of the built-in rules.

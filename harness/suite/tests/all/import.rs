@@ -4,11 +4,12 @@
 
 use crate::common::{facet_slopes, percentile};
 use std::path::{Path, PathBuf};
+use vb_files::yaml;
 use vb_suite::{
     import::{Ground, ImportError, Source},
     path,
 };
-use vb_world::{ObstacleKind, Suite, Terrain, geometry, yaml};
+use vb_world::{ObstacleKind, Suite, Terrain, geometry};
 
 fn shared() -> Option<PathBuf> {
     vb_testing::shared("verti-bench/BenchMaps").map(|_| vb_testing::shared_folder())

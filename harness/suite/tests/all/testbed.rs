@@ -19,7 +19,7 @@ fn model() -> Model {
 }
 
 fn made(text: &str, seed: u64) -> Vec<World> {
-    let rules = TestbedParams::parse(text).unwrap();
+    let rules = TestbedParams::parse(text, "mine.yaml").unwrap();
     Testbed { rules: &rules, model: &model(), seed }.worlds().unwrap()
 }
 
@@ -113,7 +113,7 @@ fn rules_that_no_surface_can_keep_are_named_as_the_file_names_them() {
             assert!(text.contains(from), "{from}");
             text = text.replace(from, to);
         }
-        let rules = TestbedParams::parse(&text).unwrap();
+        let rules = TestbedParams::parse(&text, "mine.yaml").unwrap();
         Testbed { rules: &rules, model: &model(), seed: 1 }.worlds().unwrap_err().to_string()
     };
     // A small surface is drawn faster, and all of them are drawn in vain.

@@ -2,10 +2,10 @@
 
 use super::Check;
 use crate::GRAVITY;
-use crate::VehicleError;
 use crate::kinematics::{AxleKinematics, Side};
 use crate::suspension::SteeredBy;
 use crate::{Axle, VehicleSpec, powertrain::Engine};
+use vb_files::Flaw;
 use vb_math::angle::degrees;
 use vb_math::atan2;
 
@@ -24,9 +24,9 @@ fn lock(axle: &AxleKinematics) -> f64 {
     heading(-1.0) - heading(0.0)
 }
 
-impl Check<'_> {
+impl Check {
     /// Refuses vehicles that no command steers.
-    pub(super) fn can_steer(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), VehicleError> {
+    pub(super) fn can_steer(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), Flaw> {
         // The driveline of tracks steers by `tracks.steering_torque`, which is positive.
         if v.steering.by != SteeredBy::Wheels || v.tracks.is_some() {
             return Ok(());
@@ -49,7 +49,7 @@ impl Check<'_> {
     }
 
     /// Refuses vehicles that no command stops.
-    pub(super) fn can_brake(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+    pub(super) fn can_brake(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         let force: f64 = v.axles.iter().map(|a| 2.0 * a.brake_torque / v.tyre_of(a).radius()).sum();
         let least = LEAST_FORCE * v.total_mass() * GRAVITY;
         if force < least {
@@ -65,7 +65,7 @@ impl Check<'_> {
     }
 
     /// Refuses vehicles that no command moves.
-    pub(super) fn can_drive(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+    pub(super) fn can_drive(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         let p = &v.powertrain;
         let (field, torque) = match &p.engine {
             Engine::Map { full_throttle, .. } => {

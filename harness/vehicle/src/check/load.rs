@@ -2,9 +2,9 @@
 
 use super::Check;
 use crate::GRAVITY;
-use crate::VehicleError;
 use crate::kinematics::{AxleKinematics, Motion};
 use crate::{VehicleSpec, suspension::Linkage};
+use vb_files::Flaw;
 
 /// Travels at which the force of an axle's springs and stops is looked at.
 const TRAVELS: usize = 33;
@@ -18,10 +18,10 @@ fn strongest(axle: &crate::Axle, kinematics: &AxleKinematics) -> (f64, f64) {
         .fold((f64::NEG_INFINITY, 0.0), |a, b| if b.0 > a.0 { b } else { a })
 }
 
-impl Check<'_> {
+impl Check {
     /// Statics of the chassis on level ground: on two axles each has its share by the law of the lever; on more the
     /// shares follow from the springs, and what can be said without solving for them is that all together must do.
-    pub(super) fn carries(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), VehicleError> {
+    pub(super) fn carries(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), Flaw> {
         let weight = v.chassis.mass * GRAVITY;
         let places: Vec<f64> =
             v.axles.iter().map(|a| a.position[0] + a.suspension.linkage.spindle()[0]).collect();

@@ -8,42 +8,33 @@ mod tracks;
 mod tyre;
 
 use crate::SCALES;
-use crate::VehicleError;
 use crate::VehicleSpec;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::SharedShape;
-use std::path::Path;
+use vb_files::document::{self, Document};
+use vb_files::{DocumentError, Flaw};
 
-impl VehicleSpec {
-    /// Reads and validates a vehicle file.
-    ///
-    /// # Errors
-    /// [`VehicleError::Unreadable`] or [`VehicleError::Invalid`], which name the file, the field and the value.
-    pub fn load(path: &Path) -> Result<Self, VehicleError> {
-        let text = vb_files::read_text(path, vb_files::DOCUMENT)
-            .map_err(|e| VehicleError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
-        Self::parse(&text, &path.display().to_string())
-    }
+impl Document for VehicleSpec {
+    type File = Self;
+    const KIND: &'static str = "vehicle";
+    const FIELDS: &'static str = "docs/custom-vehicle.md";
 
-    /// Parses and validates the text of a vehicle file; `file` names it in messages.
-    ///
-    /// # Errors
-    /// [`VehicleError::Invalid`].
-    pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
-        if let Some(foreign) = foreign(text) {
-            let reason =
-                format!("{foreign}, which can't be read (vehicles are YAML files: docs/custom-vehicle.md)");
-            return Err(VehicleError::Invalid { file: file.to_owned(), field: "format".to_owned(), reason });
-        }
-        let spec: Self = vb_world::yaml::parse(text).map_err(|e| VehicleError::Invalid {
-            file: file.to_owned(),
-            field: e.field,
-            reason: e.problem,
-        })?;
-        Check { file }.vehicle(&spec)?;
+    fn from_file(spec: Self) -> Result<Self, Flaw> {
+        Check.vehicle(&spec)?;
         Ok(spec)
     }
+
+    fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
+        if let Some(foreign) = foreign(text) {
+            let problem =
+                format!("{foreign}, which can't be read (vehicles are YAML files: docs/custom-vehicle.md)");
+            return Err(Flaw::new("format", problem).of(Self::KIND, file));
+        }
+        document::parse(text, file)
+    }
 }
+
+vb_files::document!(VehicleSpec);
 
 /// What the file of another program's vehicle is, if it is one.
 fn foreign(text: &str) -> Option<&'static str> {
@@ -61,16 +52,14 @@ const LARGEST: f64 = 1e9;
 /// The smallest number above zero where zero makes no sense, for the same reason: one over it is [`LARGEST`].
 const SMALLEST: f64 = 1e-9;
 
-struct Check<'a> {
-    file: &'a str,
-}
+struct Check;
 
-impl Check<'_> {
-    fn fail<T>(&self, field: &str, reason: String) -> Result<T, VehicleError> {
-        Err(VehicleError::Invalid { file: self.file.to_owned(), field: field.to_owned(), reason })
+impl Check {
+    fn fail<T>(&self, field: &str, reason: String) -> Result<T, Flaw> {
+        Err(Flaw::new(field, reason))
     }
 
-    fn positive(&self, field: &str, value: f64) -> Result<(), VehicleError> {
+    fn positive(&self, field: &str, value: f64) -> Result<(), Flaw> {
         if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(());
         }
@@ -80,7 +69,7 @@ impl Check<'_> {
         self.fail(field, format!("{value} must be a positive number"))
     }
 
-    fn not_negative(&self, field: &str, value: f64) -> Result<(), VehicleError> {
+    fn not_negative(&self, field: &str, value: f64) -> Result<(), Flaw> {
         if (0.0..=LARGEST).contains(&value) {
             return Ok(());
         }
@@ -90,7 +79,7 @@ impl Check<'_> {
         self.fail(field, format!("{value} must be zero or a positive number"))
     }
 
-    fn finite(&self, field: &str, values: &[f64]) -> Result<(), VehicleError> {
+    fn finite(&self, field: &str, values: &[f64]) -> Result<(), Flaw> {
         match values.iter().find(|v| !(-LARGEST..=LARGEST).contains(*v)) {
             None => Ok(()),
             Some(v) if v.is_finite() => self.beyond(field, *v),
@@ -98,17 +87,14 @@ impl Check<'_> {
         }
     }
 
-    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, VehicleError> {
+    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, Flaw> {
         let reason = format!(
             "{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)"
         );
         self.fail(field, reason)
     }
 
-    fn vehicle(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
-        if v.schema != 1 {
-            return self.fail("schema", format!("{} is unknown; this version reads 1", v.schema));
-        }
+    fn vehicle(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         if v.name.is_empty() || !v.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
             return self.fail("name", format!("{:?} must be letters, digits, - and _", v.name));
         }
@@ -131,7 +117,7 @@ impl Check<'_> {
         if !v.axles.iter().any(|a| a.driven) {
             return self.fail("axles", "none is driven".to_owned());
         }
-        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, VehicleError>>()?;
+        let axles = (0..v.axles.len()).map(|i| self.axle(v, i)).collect::<Result<Vec<_>, Flaw>>()?;
         self.carries(v, &axles)?;
         self.can_steer(v, &axles)?;
         self.steering(v)?;
@@ -142,7 +128,7 @@ impl Check<'_> {
         self.can_drive(v)
     }
 
-    fn chassis(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+    fn chassis(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         let c = &v.chassis;
         self.positive("chassis.mass", c.mass)?;
         self.finite("chassis.com", &c.com)?;

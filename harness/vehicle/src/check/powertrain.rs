@@ -1,17 +1,17 @@
 //! Engine, converter, gearbox and driveline.
 
 use super::{Check, LARGEST, SMALLEST};
-use crate::VehicleError;
 use crate::{
     VehicleSpec,
     powertrain::{Converter, Differential, Driveline, Engine, Gearbox},
 };
+use vb_files::Flaw;
 
 /// What no engine idles at, rad/s; the squares of much higher speeds make torques that nothing can compute with.
 const FASTEST_IDLE: f64 = 1000.0;
 
-impl Check<'_> {
-    pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+impl Check {
+    pub(super) fn powertrain(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         let p = &v.powertrain;
         self.engine(&p.engine)?;
         if let Some(c) = &p.converter {
@@ -32,7 +32,7 @@ impl Check<'_> {
     }
 
     /// A table of finite numbers over increasing speeds or ratios.
-    pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), VehicleError> {
+    pub(super) fn table(&self, field: &str, points: &[[f64; 2]]) -> Result<(), Flaw> {
         if points.is_empty() || points.iter().flatten().any(|x| !x.is_finite()) {
             return self.fail(field, "needs at least one point of two finite numbers".to_owned());
         }
@@ -44,7 +44,7 @@ impl Check<'_> {
         }
     }
 
-    fn engine(&self, engine: &Engine) -> Result<(), VehicleError> {
+    fn engine(&self, engine: &Engine) -> Result<(), Flaw> {
         self.not_negative("powertrain.engine.inertia", engine.inertia())?;
         match engine {
             Engine::Map { full_throttle, closed_throttle, .. } => {
@@ -76,14 +76,14 @@ impl Check<'_> {
         }
     }
 
-    fn fraction(&self, field: &str, value: f64) -> Result<(), VehicleError> {
+    fn fraction(&self, field: &str, value: f64) -> Result<(), Flaw> {
         if (0.0..=1.0).contains(&value) {
             return Ok(());
         }
         self.fail(field, format!("{value} must lie between 0 and 1"))
     }
 
-    fn converter(&self, c: &Converter) -> Result<(), VehicleError> {
+    fn converter(&self, c: &Converter) -> Result<(), Flaw> {
         let at = |f: &str| format!("powertrain.converter.{f}");
         self.positive(&at("idle_speed"), c.idle_speed)?;
         if c.idle_speed > FASTEST_IDLE {
@@ -111,7 +111,7 @@ impl Check<'_> {
         self.positive(&at("lock_up.torque"), l.torque)
     }
 
-    fn gearbox(&self, g: &Gearbox) -> Result<(), VehicleError> {
+    fn gearbox(&self, g: &Gearbox) -> Result<(), Flaw> {
         if g.ratios.is_empty() || g.ratios.len() != g.shift_up.len() || g.ratios.len() != g.shift_down.len() {
             let reason = format!(
                 "{} ratios, {} shift_down, {} shift_up: there must be as many of each, and one at least",
@@ -146,7 +146,7 @@ impl Check<'_> {
         self.not_negative("powertrain.gearbox.latency", g.latency)
     }
 
-    fn driveline(&self, d: &Driveline, driven: usize) -> Result<(), VehicleError> {
+    fn driveline(&self, d: &Driveline, driven: usize) -> Result<(), Flaw> {
         self.not_negative("powertrain.driveline.shaft_inertia", d.shaft_inertia)?;
         self.differential("powertrain.driveline.centre", d.centre)?;
         if d.axles.len() != driven {
@@ -169,7 +169,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn differential(&self, field: &str, d: Differential) -> Result<(), VehicleError> {
+    fn differential(&self, field: &str, d: Differential) -> Result<(), Flaw> {
         match d {
             Differential::Open {} | Differential::Locked {} => Ok(()),
             Differential::Clutch { torque } => self.not_negative(&format!("{field}.torque"), torque),

@@ -1,7 +1,6 @@
 //! Axles, suspensions and steering.
 
 use super::Check;
-use crate::VehicleError;
 use crate::{
     Point, VehicleSpec,
     suspension::{
@@ -9,17 +8,14 @@ use crate::{
         SteeringGear, Suspension,
     },
 };
+use vb_files::Flaw;
 
 /// Struts, a torsion bar included, that the tables have room for.
 const MOST_STRUTS: usize = 2;
 
-impl Check<'_> {
+impl Check {
     /// An axle, with its solved linkage.
-    pub(super) fn axle(
-        &self,
-        v: &VehicleSpec,
-        i: usize,
-    ) -> Result<crate::kinematics::AxleKinematics, VehicleError> {
+    pub(super) fn axle(&self, v: &VehicleSpec, i: usize) -> Result<crate::kinematics::AxleKinematics, Flaw> {
         let a = &v.axles[i];
         let at = |f: &str| format!("axles[{i}].{f}");
         self.finite(&at("position"), &a.position)?;
@@ -51,7 +47,7 @@ impl Check<'_> {
     }
 
     /// Two points that must lie apart.
-    fn apart(&self, field: &str, a: Point, b: Point) -> Result<(), VehicleError> {
+    fn apart(&self, field: &str, a: Point, b: Point) -> Result<(), Flaw> {
         self.finite(field, &a)?;
         self.finite(field, &b)?;
         if a == b {
@@ -60,11 +56,11 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn direction(&self, field: &str, d: Point) -> Result<(), VehicleError> {
+    fn direction(&self, field: &str, d: Point) -> Result<(), Flaw> {
         self.apart(field, d, [0.0; 3])
     }
 
-    fn gear(&self, field: &str, gear: &SteeringGear) -> Result<(), VehicleError> {
+    fn gear(&self, field: &str, gear: &SteeringGear) -> Result<(), Flaw> {
         let amount = match gear {
             SteeringGear::RackAndPinion { travel } => ("travel", *travel),
             SteeringGear::PitmanArm { pivot, arm_end, idler_pivot, idler_end, axis, angle } => {
@@ -88,7 +84,7 @@ impl Check<'_> {
     }
 
     /// Checks the driver's steering and that each limit belongs to a gear of the vehicle.
-    pub(super) fn steering(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+    pub(super) fn steering(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         self.positive("steering.rate", v.steering.rate)?;
         let rack = |gear: &SteeringGear| matches!(gear, SteeringGear::RackAndPinion { .. });
         let gears = || v.axles.iter().filter_map(|a| a.steering.as_ref());
@@ -106,7 +102,7 @@ impl Check<'_> {
     }
 
     /// Whether a linkage has what an axle's steering moves.
-    fn steerable(&self, field: &str, steered: bool, linkage: &Linkage) -> Result<(), VehicleError> {
+    fn steerable(&self, field: &str, steered: bool, linkage: &Linkage) -> Result<(), Flaw> {
         let can = linkage.tie_rod_inner().is_some() || linkage.knuckles().is_some();
         if steered && !can {
             return self.fail(field, "the linkage has neither a tie rod nor knuckles to steer".to_owned());
@@ -114,7 +110,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn linkage(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
+    fn linkage(&self, field: &str, s: &Suspension) -> Result<(), Flaw> {
         self.finite(&format!("{field}.spindle"), &s.linkage.spindle())?;
         let rod = |name: &str, a: Point, b: Point| self.apart(&format!("{field}.{name}"), a, b);
         match &s.linkage {
@@ -167,7 +163,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn rods(&self, field: &str, l: &SolidAxle) -> Result<(), VehicleError> {
+    fn rods(&self, field: &str, l: &SolidAxle) -> Result<(), Flaw> {
         let check = |name: String, r: &Rod| self.apart(&name, r.chassis, r.carrier);
         for (k, r) in l.links.iter().enumerate() {
             check(format!("{field}.links[{k}]"), r)?;
@@ -187,13 +183,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn beam(
-        &self,
-        field: &str,
-        spindle: Point,
-        beam: Beam,
-        knuckles: Option<&Knuckles>,
-    ) -> Result<(), VehicleError> {
+    fn beam(&self, field: &str, spindle: Point, beam: Beam, knuckles: Option<&Knuckles>) -> Result<(), Flaw> {
         self.positive(&format!("{field}.spindle[1]"), spindle[1])?;
         self.positive(&format!("{field}.beam.mass"), beam.mass)?;
         self.not_negative(&format!("{field}.beam.inertia"), beam.inertia)?;
@@ -222,7 +212,7 @@ impl Check<'_> {
         }
     }
 
-    fn struts(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
+    fn struts(&self, field: &str, s: &Suspension) -> Result<(), Flaw> {
         let torsion = usize::from(s.linkage.torsion().is_some());
         let list = format!("{field}.struts");
         if matches!(s.linkage, Linkage::Rigid(_)) && !s.struts.is_empty() {
@@ -259,7 +249,7 @@ impl Check<'_> {
     }
 
     /// Whether the linkage has such a part.
-    fn part(&self, field: &str, on: Part, linkage: &Linkage) -> Result<(), VehicleError> {
+    fn part(&self, field: &str, on: Part, linkage: &Linkage) -> Result<(), Flaw> {
         let (parts, names): (&[Part], &str) = match linkage {
             Linkage::DoubleWishbone(_) | Linkage::SingleWishbone(_) => {
                 (&[Part::Upright, Part::Arm], "upright or arm")
@@ -280,7 +270,7 @@ impl Check<'_> {
         self.fail(field, format!("{name} is no part of this linkage; it has {names}"))
     }
 
-    fn spring(&self, field: &str, spring: &Spring) -> Result<(), VehicleError> {
+    fn spring(&self, field: &str, spring: &Spring) -> Result<(), Flaw> {
         let at = |f: &str| format!("{field}.{f}");
         match spring {
             Spring::Linear { stiffness, free_length, preload } => {
@@ -300,7 +290,7 @@ impl Check<'_> {
         }
     }
 
-    fn damper(&self, field: &str, damper: &Damper) -> Result<(), VehicleError> {
+    fn damper(&self, field: &str, damper: &Damper) -> Result<(), Flaw> {
         let values: &[(&str, f64)] = match damper {
             Damper::Linear { coefficient } => &[("coefficient", *coefficient)],
             Damper::Bilinear { compression, rebound } => {
@@ -328,7 +318,7 @@ impl Check<'_> {
     }
 
     /// Points of a table: enough of them, numbers, increasing abscissas.
-    fn rising(&self, field: &str, points: &[[f64; 2]], least: usize) -> Result<(), VehicleError> {
+    fn rising(&self, field: &str, points: &[[f64; 2]], least: usize) -> Result<(), Flaw> {
         if points.len() < least {
             return self.fail(field, format!("{} given, at least {least} needed", points.len()));
         }
@@ -342,7 +332,7 @@ impl Check<'_> {
         }
     }
 
-    fn stop_law(&self, field: &str, stiffness: f64, table: &[[f64; 2]]) -> Result<(), VehicleError> {
+    fn stop_law(&self, field: &str, stiffness: f64, table: &[[f64; 2]]) -> Result<(), Flaw> {
         self.not_negative(&format!("{field}.stiffness"), stiffness)?;
         if table.is_empty() {
             return self.positive(&format!("{field}.stiffness"), stiffness);
@@ -355,7 +345,7 @@ impl Check<'_> {
         }
     }
 
-    fn stops(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
+    fn stops(&self, field: &str, s: &Suspension) -> Result<(), Flaw> {
         let Some(stops) = &s.stops else { return Ok(()) };
         let at = |f: &str| format!("{field}.stops.{f}");
         self.positive(&at("jounce"), stops.jounce)?;
@@ -371,7 +361,7 @@ impl Check<'_> {
         self.stop_law(&format!("{field}.stops"), stops.stiffness, &stops.table)
     }
 
-    fn anti_roll(&self, field: &str, s: &Suspension) -> Result<(), VehicleError> {
+    fn anti_roll(&self, field: &str, s: &Suspension) -> Result<(), Flaw> {
         match &s.anti_roll {
             None => Ok(()),
             Some(_) if matches!(s.linkage, Linkage::Rigid(_)) => {

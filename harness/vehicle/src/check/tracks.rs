@@ -1,15 +1,15 @@
 //! Belts.
 
 use super::Check;
-use crate::VehicleError;
 use crate::{
     TyreSpec, VehicleSpec,
     suspension::{Linkage, SteeredBy},
     tracks::Tracks,
 };
+use vb_files::Flaw;
 
-impl Check<'_> {
-    pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+impl Check {
+    pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         let Some(t) = &v.tracks else {
             if v.steering.by == SteeredBy::Differential {
                 let reason =
@@ -47,7 +47,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn track_wheel(&self, v: &VehicleSpec, t: &Tracks, i: usize) -> Result<(), VehicleError> {
+    fn track_wheel(&self, v: &VehicleSpec, t: &Tracks, i: usize) -> Result<(), Flaw> {
         let a = &v.axles[i];
         let at = |f: &str| format!("axles[{i}].{f}");
         let last = v.axles.len() - 1;

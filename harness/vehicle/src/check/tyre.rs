@@ -1,14 +1,14 @@
 //! Tyres.
 
 use super::Check;
-use crate::VehicleError;
 use crate::{
     TyreSpec, VehicleSpec,
     tyre::{BrushTyre, FialaTyre, HardContact, RigidTyre, TmeasyTyre},
 };
+use vb_files::Flaw;
 
-impl Check<'_> {
-    pub(super) fn tyres(&self, v: &VehicleSpec) -> Result<(), VehicleError> {
+impl Check {
+    pub(super) fn tyres(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         self.tyre("tyre", &v.tyre)?;
         for (name, tyre) in &v.tyres {
             self.tyre(&format!("tyres.{name}"), tyre)?;
@@ -27,7 +27,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn tyre(&self, at: &str, tyre: &TyreSpec) -> Result<(), VehicleError> {
+    fn tyre(&self, at: &str, tyre: &TyreSpec) -> Result<(), Flaw> {
         self.all_positive(at, &[("radius", tyre.radius()), ("width", tyre.width())])?;
         self.not_negative(&format!("{at}.vertical_damping"), tyre.vertical_damping())?;
         match tyre {
@@ -38,12 +38,12 @@ impl Check<'_> {
         }
     }
 
-    fn all_positive(&self, at: &str, fields: &[(&str, f64)]) -> Result<(), VehicleError> {
+    fn all_positive(&self, at: &str, fields: &[(&str, f64)]) -> Result<(), Flaw> {
         fields.iter().try_for_each(|(field, value)| self.positive(&format!("{at}.{field}"), *value))
     }
 
     /// Both values of fields that are pairs.
-    fn pairs_positive(&self, at: &str, fields: &[(&str, [f64; 2])]) -> Result<(), VehicleError> {
+    fn pairs_positive(&self, at: &str, fields: &[(&str, [f64; 2])]) -> Result<(), Flaw> {
         for (field, pair) in fields {
             for (i, value) in pair.iter().enumerate() {
                 self.positive(&format!("{at}.{field}[{i}]"), *value)?;
@@ -52,11 +52,11 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn damping_pair(&self, at: &str, field: &str, pair: [f64; 2]) -> Result<(), VehicleError> {
+    fn damping_pair(&self, at: &str, field: &str, pair: [f64; 2]) -> Result<(), Flaw> {
         (0..2).try_for_each(|i| self.not_negative(&format!("{at}.{field}[{i}]"), pair[i]))
     }
 
-    fn rigid(&self, at: &str, t: &RigidTyre) -> Result<(), VehicleError> {
+    fn rigid(&self, at: &str, t: &RigidTyre) -> Result<(), Flaw> {
         self.all_positive(
             at,
             &[
@@ -80,7 +80,7 @@ impl Check<'_> {
         self.not_negative(&format!("{at}.tangential_damping"), t.tangential_damping)
     }
 
-    fn brush(&self, at: &str, t: &BrushTyre) -> Result<(), VehicleError> {
+    fn brush(&self, at: &str, t: &BrushTyre) -> Result<(), Flaw> {
         self.all_positive(at, &[("friction", t.friction), ("vertical_stiffness", t.vertical_stiffness)])?;
         self.pairs_positive(
             at,
@@ -90,7 +90,7 @@ impl Check<'_> {
         self.not_negative(&format!("{at}.rolling_resistance"), t.rolling_resistance)
     }
 
-    fn fiala(&self, at: &str, t: &FialaTyre) -> Result<(), VehicleError> {
+    fn fiala(&self, at: &str, t: &FialaTyre) -> Result<(), Flaw> {
         self.all_positive(
             at,
             &[
@@ -122,7 +122,7 @@ impl Check<'_> {
         self.damping_pair(at, "carcass_damping", t.carcass_damping)
     }
 
-    fn tmeasy(&self, at: &str, t: &TmeasyTyre) -> Result<(), VehicleError> {
+    fn tmeasy(&self, at: &str, t: &TmeasyTyre) -> Result<(), Flaw> {
         self.all_positive(
             at,
             &[

@@ -13,7 +13,7 @@ fn axle(steering: &str, suspension: &str) -> Axle {
         "{{name: a, position: [0, 0, 0], driven: true, unsprung_mass: 1, spin_inertia: 1, brake_torque: 1, \
          {steering} suspension: {suspension}}}"
     );
-    vb_world::yaml::parse(&text).unwrap()
+    vb_files::yaml::parse(&text).unwrap()
 }
 
 fn toe(p: &WheelPose) -> f64 {

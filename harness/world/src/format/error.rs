@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 /// The reason why a suite could not be read or written. Each message names the place and what to do.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SuiteError {
     /// A file or directory could not be read.
     #[error("{}: cannot read: {source}; {hint}", path.display())]

@@ -1,10 +1,10 @@
 //! YAML as the documents of a suite need it: reading with the file's name in messages, plain writing.
 
 use super::error::SuiteError;
-use crate::yaml;
 use serde::de::DeserializeOwned;
 use std::fmt::Write as _;
 use std::path::Path;
+use vb_files::yaml;
 
 /// Parses a document; an error names the file, the field and the line.
 pub(crate) fn parse<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, SuiteError> {

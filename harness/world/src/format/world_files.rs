@@ -15,7 +15,6 @@ const MAX_BYTES: u64 = 256 << 20;
 pub(crate) struct WorldFiles([Vec<u8>; 5]);
 
 impl WorldFiles {
-    /// The files that hold a world.
     pub(crate) fn from_world(world: &World) -> Result<Self, Flaw> {
         if world.scale != 1.0 {
             let problem = format!("{} cannot be stored: worlds are stored at scale 1", world.scale);
@@ -33,7 +32,6 @@ impl WorldFiles {
         ]))
     }
 
-    /// Reads the files from a world's folder.
     pub(crate) fn read(folder: &Path) -> Result<Self, SuiteError> {
         let mut files = Self(Default::default());
         for (part, slot) in Part::ALL.iter().zip(&mut files.0) {

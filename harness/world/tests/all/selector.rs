@@ -66,9 +66,14 @@ fn selectors_choose_in_the_order_of_the_suite_and_nothing_twice() {
         ("w*/t03", "w012/t03"),
         ("w001-w002, w002/t00", "w001/t00 w001/t01 w001/t02 w002/t00 w002/t01 w002/t02"),
         ("terrain=deformable", "w010/t00 w010/t01 w010/t02"),
-        ("elevation=high:density=dense", "w009/t00 w009/t01 w009/t02"),
-        ("elevation=high:w*/t00", "w003/t00 w006/t00 w009/t00 w012/t00"),
-        ("w001-w006:elevation=low:*/t02", "w001/t02 w004/t02"),
+        // Different keys must hold together, in whichever order.
+        ("elevation=high,density=dense", "w009/t00 w009/t01 w009/t02"),
+        ("density=dense, elevation=high", "w009/t00 w009/t01 w009/t02"),
+        ("elevation=high,w*/t00", "w003/t00 w006/t00 w009/t00 w012/t00"),
+        ("w001-w006,elevation=low,density=sparse", "w001/t00 w001/t01 w001/t02"),
+        // Conditions of one key are alternatives, also where another key stands between them.
+        ("density=dense,elevation=high,w*/t00,elevation=low", "w007/t00 w009/t00"),
+        ("w001/t01,elevation=low,w004-w009/t00", "w001/t01 w004/t00 w007/t00"),
     ];
     for (text, expected) in cases {
         assert_eq!(select(&suite, text).as_deref(), Ok(expected), "{text}");
@@ -93,7 +98,18 @@ fn what_does_not_exist_is_named_with_what_does() {
             "terrain=mixed",
             "\"terrain=mixed\" matches none of the 37 tasks of suite \"dozen\"; it has elevation=low|medium|high, terrain=rigid|deformable,",
         ),
-        ("w001:elevation=high", "\"w001:elevation=high\" matches none"),
+        ("w001,elevation=high", "\"w001,elevation=high\" matches none of the 37 tasks"),
+        // Each condition must choose a task, although an alternative does.
+        ("terrain=rigid,terrain=mixed", "\"terrain=mixed\" matches none"),
+        (
+            "elevation=high:terrain=rigid",
+            "write \"elevation=high,terrain=rigid\", with commas instead of colons",
+        ),
+        ("w001:w002/t00,w003", "write \"w001,w002/t00\", with commas"),
+        (
+            "elevation=high&terrain=rigid",
+            "different keys must hold together, as in elevation=high,terrain=rigid",
+        ),
         ("", "\"\": \"\" names nothing: write w001"),
         ("w001,,w002", "\"\" names nothing"),
         ("w001/", "\"w001/\": \"\" names nothing"),
@@ -107,20 +123,13 @@ fn what_does_not_exist_is_named_with_what_does() {
 }
 
 #[test]
-fn either_of_two_kinds_of_conditions_is_noted_with_how_both_are_written() {
-    let note = |text: &str| Selector::parse(text).unwrap().note(70, 100);
-    assert_eq!(
-        note("elevation=high,terrain=rigid").as_deref(),
-        Some(
-            "70 of 100 tasks (any of elevation=high, terrain=rigid; for both write elevation=high:terrain=rigid)"
-        )
-    );
-    assert!(note("w001-w004,elevation=high").unwrap().contains("write w001-w004:elevation=high"));
-    for plain in
-        ["w001,w002/t00", "elevation=high", "elevation=high,elevation=low", "elevation=high:terrain=rigid"]
-    {
-        assert_eq!(note(plain), None, "{plain}");
-    }
-    let e = Selector::parse("elevation=high&terrain=rigid").unwrap_err().to_string();
-    assert!(e.contains("a colon joins conditions that must all hold"), "{e}");
+fn levels_of_the_default_suite_are_intersected_between_keys_and_united_within_one() {
+    let tasks = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
+    let suite = Suite::open(tasks.join("vb-100")).unwrap();
+    let count = |text: &str| Selector::parse(text).unwrap().select(&suite).unwrap().len();
+    // docs/worlds.md has the first two numbers.
+    assert_eq!(count("elevation=high,terrain=rigid"), 200);
+    let (low, medium) = (count("elevation=low"), count("elevation=medium"));
+    assert_eq!((low, medium), (340, 330));
+    assert_eq!(count("elevation=low,elevation=medium"), low + medium);
 }

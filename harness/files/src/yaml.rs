@@ -2,22 +2,14 @@
 
 use serde::de::DeserializeOwned;
 
-/// The problem with a document.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: {problem}")]
-pub struct YamlError {
-    /// The path of the field, e.g. `tasks[2].goal`.
-    pub field: String,
-    /// The value, what is wrong with it, and its line and column, on one line.
-    pub problem: String,
-}
+use crate::document::Flaw;
 
 /// Parses one document. A number may still be NaN or infinite: the caller checks its values.
 ///
 /// # Errors
 /// Returns an error if the text is not YAML or does not have the shape of `T`. Unknown fields are refused where `T`
 /// denies them.
-pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, YamlError> {
+pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Flaw> {
     let mut options = serde_yaml::Options::default();
     options.with_snippet = false;
     // The sizes that these limits guard against are known: they are the sizes of our own files.
@@ -36,7 +28,7 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, YamlError> {
         if let Some(value) = place.and_then(|(line, column)| scalar_at(text, line, column)) {
             problem = format!("{value:?}: {problem}");
         }
-        YamlError { field, problem }
+        Flaw { field, problem }
     })
 }
 

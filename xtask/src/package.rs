@@ -1,0 +1,95 @@
+//! Contents that the Python package and the archives of releases share: tracked files, planners, the stripped program.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::plugins;
+use crate::run::{Failure, output, step};
+
+pub(crate) fn failure(path: &Path) -> impl Fn(std::io::Error) -> Failure + '_ {
+    move |e| Failure::new(format!("{}: {e}", path.display()))
+}
+
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(failure(path))
+}
+
+/// Returns the source files in a folder of the repository, relative to the repository: those that git doesn't ignore, or all
+/// files in sources without git.
+pub(crate) fn sources(folder: &str) -> Result<Vec<PathBuf>, Failure> {
+    let root = crate::root();
+    let mut files: Vec<PathBuf> = if root.join(".git").exists() {
+        let mut git = Command::new("git");
+        git.args(["ls-files", "--cached", "--others", "--exclude-standard", "--", folder]).current_dir(root);
+        let list = output(git.stderr(Stdio::inherit())).ok_or_else(|| {
+            Failure::new(format!("git can't list the files in {folder}: is git installed?"))
+        })?;
+        // A file that was deleted, but not yet in the index, is listed.
+        list.lines().map(PathBuf::from).filter(|file| root.join(file).is_file()).collect()
+    } else {
+        let mut files = Vec::new();
+        walk(&root.join(folder), &mut files)?;
+        files.iter().filter_map(|file| file.strip_prefix(root).ok()).map(Path::to_owned).collect()
+    };
+    files.sort();
+    Ok(files)
+}
+
+fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    for entry in std::fs::read_dir(folder).map_err(failure(folder))? {
+        let path = entry.map_err(failure(folder))?.path();
+        match path.is_dir() {
+            true if path.ends_with("__pycache__") => {}
+            true => walk(&path, files)?,
+            false => files.push(path),
+        }
+    }
+    Ok(())
+}
+
+/// Returns the files of the planners for users, as WASM.
+pub(crate) fn planners() -> Result<Vec<PathBuf>, Failure> {
+    let folder = crate::default_plugin_dir();
+    Ok(plugins::to_drive_with()?.iter().map(|name| folder.join(format!("{name}.wasm"))).collect())
+}
+
+/// Copies a program without its symbols, a fifth of its size. They remain if `strip` is missing or made for another processor.
+pub(crate) fn copy_stripped(program: &Path, to: &Path) -> Result<(), Failure> {
+    std::fs::copy(program, to).map_err(failure(program))?;
+    let stripped = Command::new("strip").arg(to).stderr(Stdio::null()).status();
+    if !stripped.is_ok_and(|status| status.success()) {
+        step(&format!("note: {} keeps its symbols, because `strip` failed", program.display()));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_listed_without_ignored_files() {
+        let files = sources("harness/python/vertibench").unwrap();
+        assert!(files.contains(&PathBuf::from("harness/python/vertibench/__init__.py")));
+        assert!(
+            files.is_sorted() && !files.iter().any(|file| file.to_string_lossy().contains("__pycache__"))
+        );
+        let mut walked = Vec::new();
+        walk(&crate::root().join("harness/python/vertibench"), &mut walked).unwrap();
+        assert!(walked.len() >= files.len() && walked.iter().all(|file| file.is_file()));
+    }
+
+    #[test]
+    fn planners_for_tests_are_left_out() {
+        let planners = planners().unwrap();
+        let names: Vec<_> = planners.iter().map(|file| file.file_stem().unwrap().to_str().unwrap()).collect();
+        assert!(
+            ["pid", "eh", "mppi", "ibex", "expert", "pursuit"].iter().all(|name| names.contains(name)),
+            "{names:?}"
+        );
+        assert!(
+            !["faulty", "wild", "hybrid", "pursuit-c"].iter().any(|name| names.contains(name)),
+            "{names:?}"
+        );
+    }
+}
