@@ -399,7 +399,7 @@ fn rules_vehicles_and_soils_are_refused_with_file_field_and_value() {
         ("--vehicle", "mass: 2060.2", "mass: -1", &["mass", "-1"]),
         ("--vehicle", "schema: 1", "schema: 8", &["schema", "8"]),
         ("--vehicle", "chassis:", "chassis: [", &["line"]),
-        ("--soils", "exponent: 1.1", "exponent: 9.9", &["soils.", "exponent: 9.9 must lie between"]),
+        ("--soils", "exponent: 1.1", "exponent: 9.9", &["soils.", "exponent: 9.9 must lie in"]),
         ("--soils", "snow: {soft: soft-snow", "snow: {soft: slush", &["classes.snow.soft", "slush"]),
         ("--soils", "cohesion: ", "stickiness: ", &["stickiness"]),
     ];
