@@ -15,8 +15,8 @@ Submodules:
 - `vertibench.scale`: runs on many machines
 - `vertibench.gpu`: simulation of vehicle fleets on a GPU
 
-All errors are `VertibenchError`s with a one-line message: where, what, what to do. Modules and names are imported at
-their first use. Results as pandas or polars data frames need these packages.
+All errors are `VertibenchError`s. Their message is one line: place, problem and, in brackets, the next step. Modules and
+names are imported at their first use. Results as pandas or polars data frames need these packages.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ def one_line(text: object) -> str:
 
 
 class VertibenchError(Exception):
-    """Base of all errors of `vertibench`. The message is one line: where, what, what to do.
+    """Base of all errors of `vertibench`. The message is one line: `where: what (to_do)`.
 
     Args:
         where: Object of the error: a file, field or argument.

@@ -9,7 +9,7 @@ out=$1
 harness=${VB_HARNESS:-vb-harness}
 mkdir -p "$out"
 : >"$out/comment.md"
-"$harness" leaderboard build accepted --out "$out/site"
+"$harness" leaderboard build accepted --out "$out/site" --force
 # Names of entries are plain: letters, digits, '-', '_' and '.'.
 names=$(jq -r --argjson top "${VB_TOP:-3}" '.boards[].entries[]
     | select(.rank <= $top and (.verified.tasks_driven_again // 0) < .tasks) | .id' "$out/site/leaderboard.json")

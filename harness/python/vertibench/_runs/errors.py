@@ -1,4 +1,4 @@
-"""Errors of runs. A message is one line: what failed and where, and in brackets the next step."""
+"""Errors of runs."""
 
 from __future__ import annotations
 

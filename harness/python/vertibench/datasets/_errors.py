@@ -4,4 +4,4 @@ from .._errors import VertibenchError
 
 
 class DatasetError(VertibenchError):
-    """A dataset is missing, incomplete, damaged or unsuitable. The message is one line: where, what, what to do."""
+    """A dataset is missing, incomplete, damaged or unsuitable. The message is one line."""

@@ -12,7 +12,7 @@ _OWN = ("--shard", "--out", "-o", "--resume", "--jobs", "-j", "--json", "--messa
 
 
 class ScaleError(VertibenchError):
-    """A work is invalid, or a shard has failed permanently. The message is one line: where, what, what to do."""
+    """A work is invalid, or a shard has failed permanently. The message is one line."""
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,7 @@ from .._program import tasks_path
 
 
 class TrainingError(VertibenchError, ValueError):
-    """A configuration, checkpoint, weight file or planner is missing or invalid. The message is one line: where, what,
-    what to do.
-    """
+    """A configuration, checkpoint, weight file or planner is missing or invalid. The message is one line."""
 
 
 #: Fields of a configuration, with minimum and maximum of numbers; None for other fields.
