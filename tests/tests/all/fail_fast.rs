@@ -56,7 +56,7 @@ fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
 #[test]
 fn a_planner_that_does_not_answer_is_ended_after_three_tasks() {
     let bench = Bench::new();
-    bench.write("limits.yaml", "watchdog_ms: 300\n");
+    bench.write("limits.yaml", "watchdog_ms: 1000\n");
     let faulty = plugin("faulty", PluginKind::Native);
     for (fault, place) in
         [("fault=init-endless", "init: gave no answer"), ("fault=endless", "step 0 (t = 0.00 s)")]
@@ -66,7 +66,7 @@ fn a_planner_that_does_not_answer_is_ended_after_three_tasks() {
             ["--plugin", text(&faulty), "--param", fault, "--param", "at=0", "--limits", "limits.yaml"];
         let more = ["--tasks", "w001", "--jobs", "1", "--out", &out];
         let error = bench.run(&[&args[..], &more].concat()).error(FAILED_START);
-        for part in ["first 3 tasks", "(planner/hung)", place, "within 300 ms", "watchdog_ms"] {
+        for part in ["first 3 tasks", "(planner/hung)", place, "within 1000 ms", "watchdog_ms"] {
             assert!(error.contains(part), "{part}: {error}");
         }
         assert_eq!(bench.records(&out).len(), 3);
