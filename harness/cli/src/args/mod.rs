@@ -172,6 +172,12 @@ pub(crate) enum Command {
     Man(ManArgs),
 }
 
+/// The command of a command line, for tests.
+#[cfg(test)]
+pub(crate) fn parsed(args: &[&str]) -> Command {
+    Cli::parse_from(["vb-harness"].iter().chain(args)).command
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -341,5 +347,10 @@ mod tests {
         assert!(run.tasks.is_none() && run.out.is_none() && run.scale.is_none() && !run.resume.resume);
         let parsed = parsed_run(&["run", "--plugin=-a.wasm"]);
         assert_eq!(format!("{run:?}"), format!("{parsed:?}"));
+        // Where the default depends on another option it is in the text alone.
+        let mut command = Cli::documented();
+        let help = command.find_subcommand_mut("submit").unwrap().render_help().to_string();
+        let suite = format!("default: {}, or the suite of --run", vb_catalog::DEFAULT_SUITE);
+        assert!(help.split_whitespace().collect::<Vec<_>>().join(" ").contains(&suite), "{help}");
     }
 }

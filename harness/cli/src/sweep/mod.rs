@@ -66,3 +66,24 @@ impl Sweep {
         worlds.len() as u64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sweep_that_names_a_planner_alone_has_the_defaults_of_a_run() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("sweep.yaml");
+        std::fs::write(&file, "schema: 1\nname: s\nplanners:\n- plugin: ./a.wasm\n").unwrap();
+        let command = ["sweep", "status", file.to_str().unwrap(), "--out", "s"];
+        let args = match crate::args::parsed(&command) {
+            crate::args::Command::Sweep(SweepCommand::Status(args)) => args,
+            other => panic!("{other:?}"),
+        };
+        let sweep = Sweep::open(&args).unwrap();
+        let planned = &sweep.spec.runs()[0];
+        let wanted = RunArgs::new(std::path::Path::new(&planned.plugin));
+        assert_eq!(format!("{:?}", sweep.args(planned)), format!("{wanted:?}"));
+    }
+}
