@@ -124,15 +124,16 @@ def datasets(package: Installed) -> None:
     assert told.startswith("error: gone: ") and wanted in told and told.count("\n") == 1, told
 
 
-def environments(package: Installed) -> None:
-    """The tests of the environments and of runs pass, among them that a policy has the same record in an environment and as a planner,
-    and that a cluster makes the run of one machine. The tutorial runs."""
+def own_tests(package: Installed) -> None:
+    """The tests of the package pass, among them that a policy has the same record in an environment and as a planner, that a cluster makes
+    the run of one machine, and that the tutorial runs."""
     if not package.has("pytest"):
-        return print("environments: not tested, since pytest is not installed (--extras [test])", flush=True)
-    tests = Path(__file__).parents[2] / "harness/python/tests"
-    files = [str(tests / f"test_{name}.py") for name in ("envs", "vector", "gpu", "policy", "training", "notebook", "scale", "frames", "runs")]
-    told = package.run("python", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(tests), *files)
-    print("environments:", told.splitlines()[-1], flush=True)
+        return print("tests: not run, since pytest is not installed (--extras [test])", flush=True)
+    tests = str(Path(__file__).parents[2] / "harness/python/tests")
+    # Files run in two processes; the tests of a file share what they made.
+    split = ["-n", "2", "--dist", "loadfile"]
+    told = package.run("python", "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", *split, "--rootdir", tests, tests)
+    print("tests:", told.splitlines()[-1], flush=True)
     skipped = [line for line in told.splitlines() if line.startswith("SKIPPED")]
     assert all("not installed" in line for line in skipped), skipped
 
@@ -149,7 +150,7 @@ def documents(package: Installed) -> None:
         sys.exit("\n".join(f"error: {failure}" for failure in failures))
 
 
-CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, documents, environments]
+CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, documents, own_tests]
 
 
 def main() -> None:

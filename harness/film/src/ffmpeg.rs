@@ -17,9 +17,20 @@ const PROGRAM: &str = "ffmpeg";
 fn options(format: VideoFormat) -> &'static [&'static str] {
     match format {
         VideoFormat::WebM => &["-c:v", "libvpx-vp9", "-crf", "33", "-b:v", "0", "-row-mt", "1", "-f", "webm"],
-        VideoFormat::Gif | VideoFormat::Mp4 => {
-            &["-c:v", "libx264", "-crf", "21", "-preset", "superfast", "-movflags", "+faststart", "-f", "mp4"]
-        }
+        VideoFormat::Gif | VideoFormat::Mp4 => &[
+            "-c:v",
+            "libx264",
+            "-crf",
+            "21",
+            "-preset",
+            "superfast",
+            "-coder",
+            "0",
+            "-movflags",
+            "+faststart",
+            "-f",
+            "mp4",
+        ],
     }
 }
 

@@ -111,7 +111,7 @@ impl Film {
     /// Returns an error if a pose of the vehicle is not finite, or if the frame is too large.
     pub fn frame(&self, time: f64) -> Result<Vec<u8>, FilmError> {
         let columns = self.style.size.width as usize;
-        let mut frame = GROUND.repeat(columns * self.style.size.height as usize);
+        let mut frame = Vec::new();
         let size = self.layout.panel;
         let width = 3 * size.width as usize;
         for (k, panel) in self.panels.iter().enumerate() {
@@ -119,9 +119,17 @@ impl Film {
             let picture = panel
                 .picture(&self.stage, time, size)
                 .map_err(|source| FilmError::Picture { task: self.task.clone(), source })?;
-            for (row, source) in frame.chunks_exact_mut(3 * columns).skip(y).zip(picture.chunks_exact(width))
-            {
-                row[3 * x..3 * x + width].copy_from_slice(source);
+            if size == self.style.size {
+                // The only panel.
+                frame = picture;
+            } else {
+                if k == 0 {
+                    frame = GROUND.repeat(columns * self.style.size.height as usize);
+                }
+                let rows = frame.chunks_exact_mut(3 * columns).skip(y);
+                for (row, source) in rows.zip(picture.chunks_exact(width)) {
+                    row[3 * x..3 * x + width].copy_from_slice(source);
+                }
             }
             if self.style.captions {
                 caption::of_run(&panel.said(time), size)?.lay_over(&mut frame, columns, [x, y]);

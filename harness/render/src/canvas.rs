@@ -66,7 +66,7 @@ pub(crate) enum Faces {
 
 /// A triangle with its place on the canvas.
 #[derive(Clone, Copy, Debug)]
-struct Drawn {
+pub(crate) struct Drawn {
     spots: [Spot; 3],
     paint: Paint,
     /// For what is laid over the ground: how much farther than the ground it may be, as a factor of its nearness and what
@@ -74,11 +74,14 @@ struct Drawn {
     over: Option<[f32; 2]>,
 }
 
+/// The triangles of a picture. They take megabytes, which one picture after another uses.
+pub(crate) type Triangles = Vec<Drawn>;
+
 /// What is to be drawn for a camera, in order. Its samples are computed a strip at a time, which stays in the processor's
 /// cache.
 pub(crate) struct Canvas {
     pub(crate) camera: Camera,
-    drawn: Vec<Drawn>,
+    drawn: Triangles,
     /// The indices of what reaches into each strip.
     strips: Vec<Vec<u32>>,
     /// The number of sample rows of a strip.
@@ -105,11 +108,22 @@ struct Run {
 
 impl Canvas {
     pub(crate) fn new(camera: Camera) -> Self {
+        Self::reusing(Triangles::new(), camera)
+    }
+
+    /// An empty canvas in the memory of another.
+    pub(crate) fn reusing(mut drawn: Triangles, camera: Camera) -> Self {
+        drawn.clear();
         let [width, height] = camera.samples;
         // An even number, since a pixel may have two rows.
         let rows = 2 * (STRIP / (2 * width)).max(1);
         let strips = vec![Vec::new(); height.div_ceil(rows)];
-        Self { camera, drawn: Vec::new(), strips, rows }
+        Self { camera, drawn, strips, rows }
+    }
+
+    /// The memory, for another canvas.
+    pub(crate) fn into_triangles(self) -> Triangles {
+        self.drawn
     }
 
     /// Draws a triangle of the world, counter-clockwise as seen from the side of its face.

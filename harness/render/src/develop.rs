@@ -2,8 +2,8 @@
 
 use crate::camera::Lens;
 use crate::canvas::{Canvas, GROUND, Seen, Strip, seen};
-use crate::eight::{EIGHT, Samples};
-use crate::light::{BEYOND, FOG, HAZE, Shadow, ZENITH};
+use crate::eight::{EIGHT, Samples, is_sky};
+use crate::light::{BEYOND, FOG, HAZE, SKY_RISE, Shadow, ZENITH};
 use crate::painter::Change;
 use crate::texture::{Texture, shaded, whole};
 use vb_math::rng::Stream;
@@ -153,38 +153,7 @@ impl Look<'_> {
                     Place { eye, ray: [0, 1, 2].map(|k| line[k] + u * right[k]), forward, pinhole }
                 };
                 let place = |col: usize| place_at(col as f32 + 0.5);
-                let (mut pairs, mut eight) = (None, None);
-                for (col, pixel) in line_out.chunks_exact_mut(3).enumerate() {
-                    if col % (2 * EIGHT) == 0 && together && per == 2 && pinhole && col + 2 * EIGHT <= width {
-                        let upper = 2 * (first_row * width + col);
-                        let samples = Samples::of_pairs(&strip, upper, upper + 2 * width);
-                        let across = col as f32 + 1.0;
-                        pairs =
-                            samples.map(|s| developer.pairs(&s, &place_at(across), next.map(|n| 2.0 * n)));
-                    } else if col % (2 * EIGHT) == 0 {
-                        pairs = None;
-                    }
-                    if let Some(colours) = &pairs {
-                        for (p, c) in pixel.iter_mut().zip(colours[col % (2 * EIGHT)]) {
-                            *p = whole(c) as u8;
-                        }
-                        continue;
-                    }
-                    if col % EIGHT == 0 && together && per == 2 && col + EIGHT <= width {
-                        let upper = 2 * (first_row * width + col);
-                        let samples = Samples::of(&strip, upper, upper + 2 * width, pinhole);
-                        eight = samples.map(|s| (developer.eight(&s, &place(col), next, 1.0), s));
-                    } else if col % EIGHT == 0 {
-                        eight = None;
-                    }
-                    if let Some((colours, samples)) = &eight
-                        && samples.is_ground(col % EIGHT)
-                    {
-                        for (p, c) in pixel.iter_mut().zip(colours[col % EIGHT]) {
-                            *p = whole(c) as u8;
-                        }
-                        continue;
-                    }
+                let single = |col: usize, pixel: &mut [u8]| {
                     let place = place(col);
                     let first = (first_row * width + col) * per;
                     let colour = if per == 1 {
@@ -196,6 +165,49 @@ impl Look<'_> {
                     for (p, c) in pixel.iter_mut().zip(colour) {
                         *p = whole(c.min(255.0)) as u8;
                     }
+                };
+                let together = together && per == 2;
+                let mut col = 0;
+                while col < width {
+                    let upper = 2 * (first_row * width + col);
+                    let rest = &mut line_out[3 * col..];
+                    if let Some(pixels) = rest.first_chunk_mut::<{ 6 * EIGHT }>()
+                        && together
+                        && pinhole
+                        && col % (2 * EIGHT) == 0
+                        && let Some(samples) = Samples::of_pairs(&strip, upper, upper + 2 * width)
+                    {
+                        let across = place_at(col as f32 + 1.0);
+                        developer.pairs(&samples, &across, next.map(|n| 2.0 * n), pixels);
+                        col += 2 * EIGHT;
+                        continue;
+                    }
+                    let count = (width - col).min(EIGHT);
+                    let whole_group = together && count == EIGHT;
+                    if whole_group && pinhole && is_sky(&strip, upper, upper + 2 * width) {
+                        let colours = place(col).sky_of_eight(next);
+                        for (k, pixel) in rest.chunks_exact_mut(3).take(EIGHT).enumerate() {
+                            for (p, c) in pixel.iter_mut().zip(&colours) {
+                                *p = whole(c[k]) as u8;
+                            }
+                        }
+                        col += EIGHT;
+                        continue;
+                    }
+                    let samples =
+                        whole_group.then(|| Samples::of(&strip, upper, upper + 2 * width, pinhole)).flatten();
+                    let colours = samples.as_ref().map(|s| developer.eight(s, &place(col), next, 1.0));
+                    for (k, pixel) in rest.chunks_exact_mut(3).take(count).enumerate() {
+                        match (&samples, &colours) {
+                            (Some(samples), Some(colours)) if samples.is_ground(k) => {
+                                for (p, c) in pixel.iter_mut().zip(colours) {
+                                    *p = whole(c[k]) as u8;
+                                }
+                            }
+                            _ => single(col + k, pixel),
+                        }
+                    }
+                    col += count;
                 }
             }
         }
@@ -311,7 +323,7 @@ impl Place {
         }
         let [x, y, z] = self.ray;
         let rise = (z / (x * x + y * y + z * z).sqrt()).max(0.0);
-        mix(HAZE.map(f32::from), ZENITH.map(f32::from), (2.6 * rise).min(1.0))
+        mix(HAZE.map(f32::from), ZENITH.map(f32::from), (SKY_RISE * rise).min(1.0))
     }
 }
 

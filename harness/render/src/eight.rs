@@ -7,15 +7,18 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::canvas::{GROUND, Seen, Strip, seen};
+use crate::canvas::{GROUND, SKY, Seen, Strip, seen};
 use crate::develop::{APART, Developer, Grain, OPACITY, Place, ROUGHNESS, trodden};
-use crate::light::{HAZE, Shadow};
+use crate::light::{HAZE, SKY_RISE, Shadow, ZENITH};
 use crate::texture::{Texture, shaded};
 
 pub(crate) const EIGHT: usize = 8;
 
 /// A number for each of the pixels.
 pub(crate) type Each = f32x8;
+
+/// Their places beside the first.
+const COUNT: Each = Each::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
 
 /// What the samples of eight pixels show.
 pub(crate) struct Samples {
@@ -122,6 +125,29 @@ impl Samples {
     }
 }
 
+/// Whether eight pixels with four samples each, of which `upper` and `lower` are the first ones of both rows, show nothing but sky.
+#[inline]
+pub(crate) fn is_sky(strip: &Strip, upper: usize, lower: usize) -> bool {
+    const ROW: usize = 2 * EIGHT;
+    let (a, b) = (&strip.paint[upper..upper + ROW], &strip.paint[lower..lower + ROW]);
+    a.iter().chain(b).fold(0, |all, paint| all | (paint ^ SKY)) == 0
+}
+
+impl Place {
+    /// The colours of the sky of eight pixels, red, green and blue of each, as a pinhole sees it; `next` leads to the ray of a pixel's
+    /// neighbour.
+    #[inline]
+    pub(crate) fn sky_of_eight(&self, next: [f32; 3]) -> [[f32; EIGHT]; 3] {
+        let [x, y, z] = [0, 1, 2].map(|k| Each::splat(self.ray[k]) + COUNT * Each::splat(next[k]));
+        let rise = (z / (x * x + y * y + z * z).sqrt()).fast_max(Each::splat(0.0));
+        let share = (Each::splat(SKY_RISE) * rise).fast_min(Each::splat(1.0));
+        [0, 1, 2].map(|k| {
+            let [haze, zenith] = [HAZE[k], ZENITH[k]].map(|c| Each::splat(f32::from(c)));
+            mix(haze, zenith, share).to_array()
+        })
+    }
+}
+
 /// Adding it makes a float's last bits those of the nearest whole number, for numbers up to 2²¹: fewer instructions than a conversion.
 const WHOLE: f32 = 12_582_912.0;
 
@@ -216,26 +242,36 @@ impl Shadow {
 }
 
 impl Developer<'_> {
-    /// The colours of the pixels of eight pairs, from those in the middles of pairs: across a pair they change as from the pair before to the
-    /// one behind. `first` is the place of the middle of the first pair, and `next` leads to its neighbour's ray.
+    /// Writes the colours of the pixels of eight pairs, from those in the middles of pairs: across a pair they change as from the pair before
+    /// to the one behind. `first` is the place of the middle of the first pair, and `next` leads to its neighbour's ray.
     #[inline]
-    pub(crate) fn pairs(&self, samples: &Samples, first: &Place, next: [f32; 3]) -> [[f32; 3]; 2 * EIGHT] {
-        let middles = self.eight(samples, first, next, 2.0);
-        let mut pixels = [[0.0; 3]; 2 * EIGHT];
-        for k in 0..EIGHT {
-            let (before, behind) = (k.saturating_sub(1), (k + 1).min(EIGHT - 1));
-            let quarter = 0.25 / (behind - before) as f32;
-            for c in 0..3 {
-                let change = quarter * (middles[behind][c] - middles[before][c]);
-                pixels[2 * k][c] = (middles[k][c] - change).clamp(0.0, 255.0);
-                pixels[2 * k + 1][c] = (middles[k][c] + change).clamp(0.0, 255.0);
+    pub(crate) fn pairs(
+        &self,
+        samples: &Samples,
+        first: &Place,
+        next: [f32; 3],
+        pixels: &mut [u8; 6 * EIGHT],
+    ) {
+        const QUARTERS: [f32; EIGHT] = [0.25, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.25];
+        let (least, most) = (Each::splat(0.0), Each::splat(255.0));
+        let sides = self.eight(samples, first, next, 2.0).map(|m| {
+            let before = Each::new([m[0], m[0], m[1], m[2], m[3], m[4], m[5], m[6]]);
+            let behind = Each::new([m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[7]]);
+            let (middle, change) = (Each::new(m), Each::new(QUARTERS) * (behind - before));
+            // As `whole` does for each of them.
+            [middle - change, middle + change]
+                .map(|side| (side.fast_max(least).fast_min(most) + Each::splat(WHOLE)).to_array())
+        });
+        for (k, pair) in pixels.chunks_exact_mut(6).enumerate() {
+            for (c, channel) in sides.iter().enumerate() {
+                pair[c] = channel[0][k].to_bits() as u8;
+                pair[3 + c] = channel[1][k].to_bits() as u8;
             }
         }
-        pixels
     }
 
-    /// The colours of eight pixels of ground; `first` is the place of the first of them, and `next` leads to its neighbour's ray. Each
-    /// stands for so many pixels beside each other.
+    /// The colours of eight pixels of ground, red, green and blue of each; `first` is the place of the first of them, and `next` leads to
+    /// its neighbour's ray. Each stands for so many pixels beside each other.
     #[inline]
     pub(crate) fn eight(
         &self,
@@ -243,11 +279,9 @@ impl Developer<'_> {
         first: &Place,
         next: [f32; 3],
         wide: f32,
-    ) -> [[f32; 3]; EIGHT] {
-        const COUNT: [f32; EIGHT] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    ) -> [[f32; EIGHT]; 3] {
         let near = samples.near;
-        let count = Each::new(COUNT);
-        let ray = [0, 1, 2].map(|k| Each::splat(first.ray[k]) + count * Each::splat(next[k]));
+        let ray = [0, 1, 2].map(|k| Each::splat(first.ray[k]) + COUNT * Each::splat(next[k]));
         let far = Each::splat(1.0) / near;
         let point = [0, 1, 2].map(|k| {
             let eye = Each::splat(first.eye[k]);
@@ -307,7 +341,6 @@ impl Developer<'_> {
                 *c = mix(*c, Each::splat(f32::from(haze)), share);
             }
         }
-        let [red, green, blue] = colour.map(|c| c.fast_min(Each::splat(255.0)).to_array());
-        std::array::from_fn(|k| [red[k], green[k], blue[k]])
+        colour.map(|c| c.fast_min(Each::splat(255.0)).to_array())
     }
 }

@@ -9,7 +9,7 @@ use vb_world::Heightfield;
 /// Cells along a side of a block.
 const CELLS: usize = 16;
 /// A cell is at least so many samples wide where it is nearest, or stands for several.
-const FINEST: f64 = 4.0;
+const FINEST: f64 = 8.0;
 
 /// Cells of the ground that are drawn in one piece.
 #[derive(Clone, Debug)]
@@ -197,8 +197,8 @@ mod tests {
             Ground::new(&field).draw(&mut canvas, &field);
             canvas.count()
         };
-        // Cells of 2 samples stand for 4 × 4 of them, as cells of 0.5 samples for 16 × 16.
-        assert_eq!(draw(129, 1.0), 2 * 32 * 32);
-        assert_eq!(draw(513, 0.25), 2 * 32 * 32);
+        // Cells of 2 samples stand for 8 × 8 of them, as cells of 1 sample for 16 × 16.
+        assert_eq!(draw(129, 1.0), 2 * 16 * 16);
+        assert_eq!(draw(257, 0.5), 2 * 16 * 16);
     }
 }

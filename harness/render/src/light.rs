@@ -14,6 +14,8 @@ const SKYLIGHT_ON_SOLIDS: f64 = 0.6;
 /// The air at the horizon, and the sky straight up.
 pub(crate) const HAZE: Colour = [212, 222, 230];
 pub(crate) const ZENITH: Colour = [110, 160, 214];
+/// The sky is as at the zenith where a ray's sine of elevation is one over this, or more.
+pub(crate) const SKY_RISE: f32 = 2.6;
 /// What lies around the world in the view from above.
 pub(crate) const BEYOND: Colour = [226, 230, 233];
 /// The distance at which half of what is seen is air, m in a world of full size.

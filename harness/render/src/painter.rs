@@ -1,7 +1,7 @@
 //! What draws pictures.
 
 use crate::camera::{Lens, Sight, View, along, chase, top_down};
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, Triangles};
 use crate::develop::{Grain, Look};
 use crate::error::RenderError;
 use crate::ground::Ground;
@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use crate::vehicle::Vehicle;
 use crate::{Colour, V3};
 use nalgebra::UnitQuaternion;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use vb_math::{atan2, hypot};
 use vb_sim::VehicleState;
 use vb_vehicle::VehicleModel;
@@ -89,6 +89,8 @@ pub struct Painter {
     obstacles: Vec<Body>,
     vehicle: Vehicle,
     grain: Grain,
+    /// Memory of canvases that are drawn, one for each thread that has drawn.
+    spare: Arc<Mutex<Vec<Triangles>>>,
 }
 
 /// An obstacle where it stands, with a sphere around it.
@@ -130,6 +132,7 @@ impl Painter {
             obstacles: obstacles.into_iter().map(body).collect(),
             vehicle: Vehicle::new(vehicle),
             grain: Grain::new(),
+            spare: Arc::default(),
             world: world.clone(),
         }
     }
@@ -182,7 +185,9 @@ impl Painter {
             View::From(sight) => along(&sight, length, samples),
             View::Top { window } => top_down(field, self.range, &state.position, window, samples),
         };
-        let mut canvas = Canvas::new(camera);
+        let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let triangles = spare().pop().unwrap_or_default();
+        let mut canvas = Canvas::reusing(triangles, camera);
         self.ground.draw(&mut canvas, field);
         if matches!(camera.lens, Lens::Pinhole { .. }) {
             Ground::surround(&mut canvas, field, unit);
@@ -221,7 +226,9 @@ impl Painter {
             shadow: &shadow,
             change: moment.change,
         };
-        Ok(look.develop(&canvas, SAMPLES, together))
+        let picture = look.develop(&canvas, SAMPLES, together);
+        spare().push(canvas.into_triangles());
+        Ok(picture)
     }
 }
 

@@ -249,8 +249,8 @@ fn datasets_are_split_by_world_and_joined() {
 fn two_at_once_do_not_spoil_what_they_make() {
     let bench = Bench::new();
     bench.ok(&explore("a", &[]));
-    // Long enough not to end before its neighbours have tried.
-    let long = ["dataset", "explore", "--worlds", "3", "--episodes", "5000", "--jobs", "1", "--out", "d"];
+    // Long enough not to end before its neighbours have tried; its first report of progress is at a twentieth.
+    let long = ["dataset", "explore", "--worlds", "3", "--episodes", "200", "--jobs", "1", "--out", "d"];
     let mut first = bench.watch(&long);
     while !bench.path("d/dataset.json").exists() {
         std::thread::sleep(std::time::Duration::from_millis(10));
@@ -324,27 +324,6 @@ fn the_docs_quote_the_example_as_it_is() {
     let (docs, example) = (read("docs/datasets.md"), read("examples/dataset/fit_bicycle.py"));
     let (_, code) = example.split_once("\n").expect("a line that says what it is");
     assert!(docs.contains(&format!("```python\n{code}```\n")), "examples/dataset/fit_bicycle.py was changed");
-}
-
-#[test]
-fn the_python_package_s_own_tests_pass() {
-    let Some(mut python) = python("numpy, pyarrow, pytest, yaml, PIL") else { return };
-    let bench = Bench::new();
-    python
-        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "--basetemp"])
-        .arg(bench.path("pytest"));
-    // These take the module of Rust: `cargo xtask wheel --check` runs them with the package as it is installed.
-    for name in ["envs", "gpu", "vector", "policy", "notebook"] {
-        python.arg(format!("--ignore=tests/test_{name}.py"));
-    }
-    python.env("VB_HARNESS", bench.command::<&str>(&[]).get_program());
-    python.env("VB_PLUGINS", plugin("pid", PluginKind::Wasm).parent().expect("a folder"));
-    let done = Done::of(python.current_dir(root().join("harness/python")));
-    assert!(done.status.success(), "{}", done.stdout);
-    for reason in done.stdout.lines().filter(|line| line.starts_with("SKIPPED")) {
-        assert!(reason.contains("not installed"), "{reason}");
-        vb_testing::skip(format_args!("harness/python: {reason}"));
-    }
 }
 
 #[test]
