@@ -70,7 +70,7 @@ Tasks:
   results [COURSE]...   Drive the planners over the suites and the original's worlds, or over some of these courses, and write the
                         tables of results in README and docs (--resume: take complete runs of target/results as they are)
   sensitivity           Run PID and TAL over 200 tasks of vb-100 with each uncertain parameter of vehicle and soils at its
-                        bounds, and print the success rates
+                        bounds, and print the success rates (--resume: take complete runs as they are, continue others)
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
   fuzz [TARGET] [--minutes N]
                         Fuzz every reader of foreign input, or one, with nightly Rust and cargo-fuzz [default: 20 each]
@@ -130,7 +130,7 @@ fn main() -> ExitCode {
         ["models"] => models::models(),
         ["kernel", ref architectures @ ..] => kernel::kernel(architectures),
         ["results", ref options @ ..] => results::results(options),
-        ["sensitivity"] => build_all().and_then(|()| sensitivity::sensitivity()),
+        ["sensitivity", ref options @ ..] => sensitivity::sensitivity(options),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),
         ["soak", tasks] => build_all().and_then(|()| soak::soak(Some(tasks))),

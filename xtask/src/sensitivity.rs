@@ -135,9 +135,20 @@ const BOUNDS: &[Bound] = &[
     },
 ];
 
-/// Drives the tasks with every bound and prints the table of success rates.
-pub(crate) fn sensitivity() -> Result<(), Failure> {
+/// Drives the tasks with every bound and prints the table of success rates. With `--resume`, runs that are complete are taken as
+/// they are, and one that was stopped is continued.
+pub(crate) fn sensitivity(options: &[&str]) -> Result<(), Failure> {
+    if let Some(unknown) = options.iter().find(|option| **option != "--resume") {
+        return Err(Failure::new(format!("sensitivity: unknown option {unknown} (it takes --resume)")));
+    }
+    crate::build_harness()?;
+    for planner in PLANNERS {
+        crate::plugins::build_one(planner, &default_plugin_dir())?;
+    }
     let folder = target_dir().join("sensitivity");
+    if options.is_empty() {
+        remove(&folder)?;
+    }
     step(
         "| parameter | value | PID, success % | PID, changed verdicts (gained, lost) | TAL, success % | TAL, changed verdicts (gained, lost) |",
     );
@@ -188,11 +199,10 @@ fn edited(bound: &Bound, folder: &Path) -> Result<PathBuf, Failure> {
 
 /// The verdicts of a planner on the tasks, in the order of their names.
 fn drive(planner: &str, out: &Path, changed: Option<(File, &Path)>) -> Result<Vec<bool>, Failure> {
-    remove(out)?;
     let mut drive = Command::new(built("vb-harness"));
-    drive.arg("--plugin").arg(default_plugin_dir().join(format!("{planner}.wasm")));
+    drive.arg("run").arg(default_plugin_dir().join(format!("{planner}.wasm")));
     drive
-        .args(["--suite", "vb-100", "--tasks", TASKS, "--trace", "none", "--keep-going"])
+        .args(["--suite", "vb-100", "--tasks", TASKS, "--trace", "none", "--keep-going", "--resume"])
         .arg("--out")
         .arg(out);
     if let Some((file, path)) = changed {
