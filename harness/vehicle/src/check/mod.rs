@@ -52,10 +52,11 @@ const LARGEST: f64 = 1e9;
 /// The smallest number above zero where zero makes no sense, for the same reason: one over it is [`LARGEST`].
 const SMALLEST: f64 = 1e-9;
 
-struct Check;
+/// Checks of single fields, for messages with the field's path.
+pub(crate) struct Check;
 
 impl Check {
-    fn fail<T>(&self, field: &str, reason: String) -> Result<T, Flaw> {
+    pub(crate) fn fail<T>(&self, field: &str, reason: String) -> Result<T, Flaw> {
         Err(Flaw::new(field, reason))
     }
 
@@ -69,7 +70,7 @@ impl Check {
         self.fail(field, format!("{value} must be a positive number"))
     }
 
-    fn not_negative(&self, field: &str, value: f64) -> Result<(), Flaw> {
+    pub(crate) fn not_negative(&self, field: &str, value: f64) -> Result<(), Flaw> {
         if (0.0..=LARGEST).contains(&value) {
             return Ok(());
         }
@@ -79,7 +80,7 @@ impl Check {
         self.fail(field, format!("{value} must be zero or a positive number"))
     }
 
-    fn finite(&self, field: &str, values: &[f64]) -> Result<(), Flaw> {
+    pub(crate) fn finite(&self, field: &str, values: &[f64]) -> Result<(), Flaw> {
         match values.iter().find(|v| !(-LARGEST..=LARGEST).contains(*v)) {
             None => Ok(()),
             Some(v) if v.is_finite() => self.beyond(field, *v),
