@@ -7,7 +7,7 @@ use crate::common::{
 use std::f64::consts::{FRAC_PI_2, PI};
 use vb_sim::{
     Controls, SimOptions, Simulation, SoilSet, Start,
-    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw, WheelRig},
+    soil::{PressureDirection, Sinkage, SlipSinkage, Snow, SoilLaw, WheelRig},
 };
 use vb_world::{Heightfield, Pose2, SoilLevel, SoilLevels, TerrainClass};
 
@@ -219,7 +219,7 @@ fn the_resistance_of_shallow_snow_is_within_0_04_of_the_load_of_that_measured() 
         [0.14, 110.0, 0.10, 0.02],
     ] {
         let law = SoilLaw {
-            sinkage: Sinkage::Snow { depth, density },
+            sinkage: Sinkage::Snow(Snow { depth, density }),
             cohesion: 0.0,
             friction_angle_deg: 0.0,
             damping: 0.0,

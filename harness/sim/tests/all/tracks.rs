@@ -4,7 +4,7 @@ use crate::common::{controls, hold_speed};
 use std::sync::Arc;
 use vb_sim::{
     SimOptions, Simulation, SoilSet,
-    soil::{PressureDirection, Sinkage, SoilLaw},
+    soil::{Bekker, PressureDirection, Sinkage, Snow, SoilLaw},
 };
 use vb_vehicle::{GRAVITY, VehicleModel, VehicleSpec};
 use vb_world::{Heightfield, Pose2, TerrainClass, World};
@@ -195,7 +195,7 @@ fn published() -> [(&'static str, SoilLaw); 3] {
 /// Resistance to compaction in a rut of depth z over the weight (Bekker: 2 b ∫ p dz).
 fn compaction(law: &SoilLaw, z: f64, weight: f64) -> f64 {
     let b = 0.38;
-    let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { panic!("{law:?}") };
+    let Sinkage::Bekker(Bekker { k_phi, k_c, exponent: n }) = law.sinkage else { panic!("{law:?}") };
     2.0 * b * (k_c / b + k_phi) * vb_math::pow(z, n + 1.0) / (n + 1.0) / weight
 }
 
@@ -269,7 +269,7 @@ fn on_soil_the_pressure_under_its_wheels_is_rowlands_up_to_twice_and_not_that_of
 #[test]
 fn on_shallow_snow_the_m113_has_crrels_rut_and_pull() {
     let model = m113();
-    let snow = Sinkage::Snow { depth: 0.15, density: 200.0 };
+    let snow = Sinkage::Snow(Snow { depth: 0.15, density: 200.0 });
     let law = SoilLaw { sinkage: snow, ..crate::common::soils().soils["medium-snow"] };
     let (_, sinkage) = pulled(&model, law, 0.0).expect("it drives");
     assert!((sinkage - 0.090).abs() < 0.015, "rut {sinkage} m");

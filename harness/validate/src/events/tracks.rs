@@ -8,7 +8,7 @@ use crate::rig::{Drive, largest};
 use vb_math::{exp, pow, tan};
 use vb_sim::{
     SimError, SoilSet, VehicleState,
-    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw},
+    soil::{Bekker, PressureDirection, Sinkage, SlipSinkage, SoilLaw},
 };
 use vb_vehicle::tracks::Tracks;
 use vb_world::TerrainClass;
@@ -186,7 +186,7 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut set = wong.clone();
         set.soils.values_mut().for_each(|l| *l = law);
         let resistance = |z: f64| {
-            let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { return f64::NAN };
+            let Sinkage::Bekker(Bekker { k_phi, k_c, exponent: n }) = law.sinkage else { return f64::NAN };
             2.0 * t.width * (k_c / t.width + k_phi) * pow(z, n + 1.0) / (n + 1.0) / weight
         };
         let most = 2.0 * t.width * t.length * law.cohesion / weight

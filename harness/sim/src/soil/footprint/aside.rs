@@ -76,7 +76,7 @@ impl<const N: usize> Footprint<N> {
 mod tests {
     use super::super::super::ground::SoilGround;
     use super::super::super::law::SoilLaw;
-    use super::super::super::sinkage::Sinkage;
+    use super::super::super::sinkage::{Bekker, Sinkage};
     use super::super::tests::linear;
     use super::*;
     use crate::V3;
@@ -90,7 +90,7 @@ mod tests {
     /// the force on it (N) after 0.5 m and the power (W) that the soil gives it. The soil has no shear strength.
     fn slide(rise: f64, depth: f64) -> (V3, f64) {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: MODULUS, k_c: 0.0, exponent: 1.0 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: MODULUS, k_c: 0.0, exponent: 1.0 }),
             friction_angle_deg: 0.0,
             ..linear()
         };

@@ -388,17 +388,19 @@ impl<const N: usize> Footprint<N> {
 #[cfg(test)]
 mod tests {
     use super::super::law::{Bulldozing, PressureDirection, SoilLaw};
-    use super::super::sinkage::Sinkage;
+    use super::super::shear::Shear;
+    use super::super::sinkage::{Bekker, Sinkage};
     use super::super::slip::SlipSinkage;
     use super::*;
 
     /// A soil whose pressure is proportional to the sinkage.
     pub(super) fn linear() -> SoilLaw {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 }),
             slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 30.0,
+            shear: Shear::Janosi,
             shear_modulus: 0.01,
             elastic_stiffness: 2e8,
             damping: 0.0,
@@ -423,10 +425,11 @@ mod tests {
     /// The bits of all forces on a wheel that rolls, slips, slides to the left, bounces and turns over rough soil.
     fn forces(level: Level, pressure: PressureDirection) -> Vec<u64> {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 }),
             slip_sinkage: SlipSinkage::Lyasko { strength: 1.0 },
             cohesion: 1e3,
             friction_angle_deg: 30.0,
+            shear: Shear::Janosi,
             shear_modulus: 0.01,
             elastic_stiffness: 2e8,
             damping: 3e4,

@@ -2,6 +2,7 @@
 
 use super::super::ground::{SoilGround, Under};
 use super::super::law::Soil;
+use super::super::shear::{ShearLaw, with_law};
 use super::{FIRST, Footprint, Frame, LANES, Row, Stations};
 use crate::tyre::WheelMotion;
 use crate::{V3, normal_of};
@@ -192,6 +193,22 @@ impl<const N: usize> Footprint<N> {
         body: &Body,
         sum: &mut Sum,
     ) {
+        with_law!(&soil.shear, law => self.press_with(simd, strip, soil, law, field, body, sum));
+    }
+
+    /// [`Self::press_strip`] for the soil's law of shear.
+    #[allow(clippy::too_many_arguments, reason = "strip, soil and what comes of them")]
+    #[inline(always)]
+    fn press_with<S: Simd>(
+        &mut self,
+        simd: S,
+        strip: usize,
+        soil: &Soil,
+        shear: &impl ShearLaw,
+        field: &Field<N>,
+        body: &Body,
+        sum: &mut Sum,
+    ) {
         let all = |x: f64| f64x4::splat(simd, x);
         let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let zero = all(0.0);
@@ -261,7 +278,7 @@ impl<const N: usize> Footprint<N> {
             let slip =
                 [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1] - belt, vy - n[1] * leaving];
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
-            let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
+            let (after, tangential) = soil.sheared(simd, shear, before, slip, pressure, body.dt);
             for k in 0..2 {
                 let state = if self.grip > 0.0 {
                     held.select(after[k], zero)
