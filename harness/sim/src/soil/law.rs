@@ -110,7 +110,7 @@ impl SoilLaw {
             k_c,
             curve: Curve::new(|z| self.sinkage.shape(z)),
             slip_sinkage: self.slip_sinkage.strength(),
-            shear: Prepared::new(self),
+            shear: Prepared::new(self.shear, self.shear_modulus),
             cohesion: self.cohesion,
             tan_phi,
             steel_friction: self

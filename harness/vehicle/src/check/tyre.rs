@@ -1,6 +1,6 @@
 //! Tyres.
 
-use super::Check;
+use crate::field::Check;
 use crate::{TyreSpec, VehicleSpec};
 use vb_files::Flaw;
 
@@ -28,24 +28,5 @@ impl Check {
         self.all_positive(at, &[("radius", tyre.radius()), ("width", tyre.width())])?;
         self.not_negative(&format!("{at}.vertical_damping"), tyre.vertical_damping())?;
         tyre.check(self, at)
-    }
-
-    pub(crate) fn all_positive(&self, at: &str, fields: &[(&str, f64)]) -> Result<(), Flaw> {
-        fields.iter().try_for_each(|(field, value)| self.positive(&format!("{at}.{field}"), *value))
-    }
-
-    /// Both values of fields that are pairs.
-    pub(crate) fn pairs_positive(&self, at: &str, fields: &[(&str, [f64; 2])]) -> Result<(), Flaw> {
-        for (field, pair) in fields {
-            for (i, value) in pair.iter().enumerate() {
-                self.positive(&format!("{at}.{field}[{i}]"), *value)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Both values of a damping, which may be zero.
-    pub(crate) fn damping_pair(&self, at: &str, field: &str, pair: [f64; 2]) -> Result<(), Flaw> {
-        (0..2).try_for_each(|i| self.not_negative(&format!("{at}.{field}[{i}]"), pair[i]))
     }
 }

@@ -10,7 +10,7 @@ pub use fiala::FialaTyre;
 pub use rigid::{Dilation, HardContact, RigidTyre};
 pub use tmeasy::TmeasyTyre;
 
-use crate::check::Check;
+use crate::field::Check;
 use serde::de::{self, MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;

@@ -1,7 +1,7 @@
 //! The hard cylinder.
 
 use super::TyreData;
-use crate::check::Check;
+use crate::field::Check;
 use serde::{Deserialize, Serialize};
 use vb_files::Flaw;
 

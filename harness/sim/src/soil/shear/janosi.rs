@@ -1,7 +1,6 @@
 //! Janosi and Hanamoto's shear.
 
 use super::{Mobilised, ShearLaw, greater};
-use crate::soil::law::SoilLaw;
 use crate::soil::table::{SATURATED, Saturation};
 use fearless_simd::{Simd, f64x4, prelude::*};
 
@@ -21,8 +20,8 @@ pub(crate) struct Janosi {
 }
 
 impl ShearLaw for Janosi {
-    fn new(law: &SoilLaw) -> Self {
-        Self { inverse_modulus: 1.0 / law.shear_modulus, saturation: Saturation::new() }
+    fn new(modulus: f64) -> Self {
+        Self { inverse_modulus: 1.0 / modulus, saturation: Saturation::new() }
     }
 
     #[inline(always)]

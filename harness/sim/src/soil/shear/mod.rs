@@ -2,14 +2,13 @@
 
 mod janosi;
 
-use super::law::SoilLaw;
 use fearless_simd::{Simd, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
 
 /// A law by which shear displacement mobilises the shear strength, at four stations at once.
 pub(crate) trait ShearLaw {
-    /// The law of a soil.
-    fn new(law: &SoilLaw) -> Self;
+    /// The law of a soil with a shear deformation modulus, m.
+    fn new(modulus: f64) -> Self;
 
     /// Advances shear by a slip velocity (m/s) of a size `speed`. The state is the displacement (m) that mobilises the
     /// stress, along two directions; 0 is unsheared.
@@ -36,7 +35,7 @@ pub(crate) struct Mobilised<S: Simd> {
 macro_rules! laws {
     ($d:tt $($(#[$doc:meta])* $module:ident $law:ident,)*) => {
         /// The law of shear stress over shear displacement of a soil, as a soil file gives it.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
         pub enum Shear {
             $($(#[$doc])* $law,)*
@@ -49,8 +48,8 @@ macro_rules! laws {
         }
 
         impl Prepared {
-            pub(super) fn new(law: &SoilLaw) -> Self {
-                match law.shear { $(Shear::$law => Self::$law($module::$law::new(law)),)* }
+            pub(super) fn new(law: Shear, modulus: f64) -> Self {
+                match law { $(Shear::$law => Self::$law($module::$law::new(modulus)),)* }
             }
         }
 
@@ -64,6 +63,7 @@ macro_rules! laws {
 }
 laws! { $
     /// Janosi and Hanamoto's: the stress rises towards the strength as 1 − exp(−j/K).
+    #[default]
     janosi Janosi,
 }
 pub(crate) use with_law;
@@ -71,12 +71,6 @@ pub(crate) use with_law;
 impl Shear {
     pub(super) fn is_default(&self) -> bool {
         *self == Self::default()
-    }
-}
-
-impl Default for Shear {
-    fn default() -> Self {
-        Self::Janosi
     }
 }
 
