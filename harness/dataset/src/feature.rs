@@ -452,7 +452,7 @@ impl Feature {
             }
             Fill::TrueState => {
                 let (roll, pitch, yaw) = state.roll_pitch_yaw();
-                let (p, v, w) = (state.position, state.velocity, state.angular_velocity);
+                let (p, v, w) = (state.position, state.velocity_body, state.angular_velocity_body);
                 to.f32([p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
                 to.f32([state.steering, state.engine_speed, gear(state.gear)]);
             }

@@ -81,8 +81,8 @@ impl Panel {
                 time: s.time,
                 position: V3::new(s.x, s.y, s.z),
                 attitude: attitude(s),
-                velocity: V3::new(s.vx, s.vy, s.vz),
-                angular_velocity: V3::new(s.wx, s.wy, s.wz),
+                velocity_body: V3::new(s.vx, s.vy, s.vz),
+                angular_velocity_body: V3::new(s.wx, s.wy, s.wz),
                 wheels: motion.wheel_frames[k * wheels..(k + 1) * wheels]
                     .iter()
                     .map(|w| WheelState { deflection: w.travel, ..WheelState::default() })
@@ -146,8 +146,8 @@ impl Panel {
             position: between.point(|k| states[k].position),
             // Between frames that are a fiftieth of a second apart this is as good as a turn at an even rate.
             attitude: states[a].attitude.nlerp(&states[b].attitude, share),
-            velocity: between.point(|k| states[k].velocity),
-            angular_velocity: between.point(|k| states[k].angular_velocity),
+            velocity_body: between.point(|k| states[k].velocity_body),
+            angular_velocity_body: between.point(|k| states[k].angular_velocity_body),
             wheels: (0..wheels)
                 .map(|w| WheelState {
                     deflection: between.of(|k| states[k].wheels[w].deflection),
@@ -192,7 +192,7 @@ impl Panel {
         let between = self.between(time);
         let Between(a, ..) = between;
         let [roll, pitch] = self.leans[a];
-        let velocity = between.point(|k| self.states[k].velocity);
+        let velocity = between.point(|k| self.states[k].velocity_body);
         Said {
             label: &self.label,
             colour: self.colour,

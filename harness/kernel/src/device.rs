@@ -1,15 +1,8 @@
-//! The kernels' entry points, and what the standard library needs of an operating system: memory, and an end.
+//! The kernels' entry points, and what the standard library needs of an operating system beside memory.
 
 use core::arch::nvptx;
-use std::alloc::{GlobalAlloc, Layout};
 
 use crate::fleet::{self, Fleet};
-use crate::heap::Heap;
-
-unsafe extern "C" {
-    /// Where this thread notes its heap: in memory that its block has to itself (`xtask/src/kernel/words.ll`).
-    safe fn vb_slot() -> *mut *mut Heap;
-}
 
 /// The number of this thread in its launch.
 fn number() -> usize {
@@ -17,57 +10,10 @@ fn number() -> usize {
     unsafe { (nvptx::_block_idx_x() * nvptx::_block_dim_x() + nvptx::_thread_idx_x()) as usize }
 }
 
-/// From now on this thread takes memory from this heap.
-pub(crate) fn enter(heap: *mut Heap) {
-    // SAFETY: each thread has its own place.
-    unsafe { vb_slot().write(heap) }
-}
-
-/// The heap of this thread.
-fn heap() -> &'static mut Heap {
-    // SAFETY: each thread has its own place, in which [`enter`] has put a heap.
-    unsafe { &mut **vb_slot() }
-}
-
 /// [`crate::SOURCES`], for whoever looks into the kernels' file.
 #[used]
 #[unsafe(no_mangle)]
 static VB_SOURCES: [u8; crate::SOURCES.len()] = *crate::SOURCES.as_bytes().first_chunk().unwrap();
-
-struct Memory;
-
-#[global_allocator]
-static MEMORY: Memory = Memory;
-
-// SAFETY: a heap's blocks are apart from each other, and each thread has a heap of its own.
-unsafe impl GlobalAlloc for Memory {
-    #[inline(never)]
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        heap().alloc(layout)
-    }
-
-    #[inline(never)]
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: as this function's caller promises.
-        unsafe { heap().free(block, layout) }
-    }
-
-    #[inline(never)]
-    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        if Heap::fits(layout, size) {
-            return block;
-        }
-        // SAFETY: as this function's caller promises.
-        unsafe {
-            let larger = heap().alloc(Layout::from_size_align_unchecked(size, layout.align()));
-            if !larger.is_null() {
-                std::ptr::copy_nonoverlapping(block, larger, layout.size().min(size));
-                heap().free(block, layout);
-            }
-            larger
-        }
-    }
-}
 
 /// A kernel of a function of [`fleet`], for the first `threads` threads.
 macro_rules! kernel {
@@ -146,7 +92,7 @@ extern "C" fn sys_argv(_: *mut u32, _: usize, _: usize) -> usize {
     0
 }
 
-/// All memory is [`Memory`]'s.
+/// All memory is the allocator's.
 #[unsafe(no_mangle)]
 extern "C" fn sys_alloc_aligned(_: usize, _: usize) -> *mut u8 {
     std::ptr::null_mut()

@@ -196,7 +196,7 @@ impl Fleet {
 }
 
 #[cfg(target_arch = "nvptx64")]
-use crate::device::enter;
+use crate::memory::enter;
 
 /// Here all memory is the system's.
 #[cfg(not(target_arch = "nvptx64"))]
@@ -372,7 +372,7 @@ fn state(sim: &Simulation) -> [f64; STATE.len()] {
         Gear::Neutral => 0.0,
         Gear::Reverse => -1.0,
     };
-    let (p, q, v, w) = (s.position, s.attitude.coords, s.velocity, s.angular_velocity);
+    let (p, q, v, w) = (s.position, s.attitude.coords, s.velocity_body, s.angular_velocity_body);
     [
         s.time,
         p.x,

@@ -13,6 +13,8 @@
 mod device;
 pub mod fleet;
 pub mod heap;
+#[cfg(target_arch = "nvptx64")]
+mod memory;
 pub mod wire;
 
 /// What tells of which sources kernels are. It stands in their file, so that a program finds there whether they are of its own: others

@@ -131,8 +131,8 @@ impl Env {
         all.set_item("time", state.time)?;
         all.set_item("position", three(state.position.into())?)?;
         all.set_item("attitude", three([roll, pitch, yaw])?)?;
-        all.set_item("velocity", three(state.velocity.into())?)?;
-        all.set_item("angular_velocity", three(state.angular_velocity.into())?)?;
+        all.set_item("velocity", three(state.velocity_body.into())?)?;
+        all.set_item("angular_velocity", three(state.angular_velocity_body.into())?)?;
         all.set_item("steering", state.steering)?;
         all.set_item("engine_speed", state.engine_speed)?;
         let wheels: Vec<f64> =

@@ -243,7 +243,7 @@ impl Motion {
         let slow = SLOW * setting.world.scale.sqrt();
         let contacts = state.wheels.iter().zip(placed).zip(radii).map(|((wheel, frame), radius)| {
             let heading = Vector3::from(frame.axis).cross(&Vector3::z()).normalize();
-            let hub = state.velocity + state.angular_velocity.cross(&Vector3::from(frame.hub));
+            let hub = state.velocity_body + state.angular_velocity_body.cross(&Vector3::from(frame.hub));
             let (rim, speed) = (wheel.speed * radius, hub.dot(&heading));
             let slip = (rim - speed) / rim.abs().max(speed.abs()).max(slow);
             WheelContact { load: wheel.load, slip, sinkage: wheel.sinkage }

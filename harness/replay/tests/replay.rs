@@ -72,7 +72,7 @@ impl Drive {
                 roll,
                 pitch,
                 yaw,
-                vx: state.velocity.x,
+                vx: state.velocity_body.x,
                 steering: controls.steering,
                 throttle: controls.throttle,
                 ..Sample::default()

@@ -69,7 +69,7 @@ fn hull(c: &mut Criterion) {
     let start = |world: &std::sync::Arc<vb_world::World>, overturned: bool| {
         let mut sim = common::start(world, -50.0, 0.0, 0.0);
         if overturned {
-            sim.overturn(1.5, 1.2);
+            sim.rig().overturn(1.5, 1.2);
         }
         sim
     };
@@ -133,7 +133,7 @@ fn vehicles(c: &mut Criterion) {
                         sim = start();
                     }
                     for _ in 0..100 {
-                        let e = 3.0 - sim.state().velocity.x / pace;
+                        let e = 3.0 - sim.state().velocity_body.x / pace;
                         let controls = common::controls(0.0, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                         sim.advance(controls, 10).expect("finite");
                     }

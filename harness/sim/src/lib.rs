@@ -25,6 +25,8 @@ pub use collision::Surroundings;
 pub use dynamics::WheelStand;
 pub use error::SimError;
 pub use powertrain::DriveState;
+#[cfg(feature = "rig")]
+pub use simulation::Rig;
 pub use simulation::{Diagnostics, SimOptions, Simulation, Start};
 pub use soil::{SoilSet, Soils};
 pub use state::{Controls, Gear, VehicleState, WheelState};

@@ -44,19 +44,20 @@ pub struct WheelState {
     pub sinkage: f64,
 }
 
-/// The state of the vehicle at its reference point, the origin of the chassis frame.
+/// The state of the vehicle at its reference point, the origin of the chassis frame. World axes are x east, y north, z
+/// up; body axes are x forward, y left, z up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleState {
     /// The simulated time, s.
     pub time: f64,
-    /// The position in the world frame, m.
+    /// The position of the reference point in the world frame, m.
     pub position: V3,
     /// The attitude: the rotation from body axes to world axes.
     pub attitude: Quat,
-    /// The velocity of the reference point in body axes, m/s.
-    pub velocity: V3,
-    /// The angular velocity in body axes, rad/s.
-    pub angular_velocity: V3,
+    /// The velocity of the reference point over the ground, in body axes, m/s.
+    pub velocity_body: V3,
+    /// The angular velocity of the chassis over the ground, in body axes, rad/s.
+    pub angular_velocity_body: V3,
     /// The wheels, front to back, left before right.
     pub wheels: Vec<WheelState>,
     /// The steering command after the limits of rate and force, in [-1, 1], positive to the left.
@@ -91,8 +92,8 @@ mod tests {
             time: 0.0,
             position: V3::zeros(),
             attitude,
-            velocity: V3::zeros(),
-            angular_velocity: V3::zeros(),
+            velocity_body: V3::zeros(),
+            angular_velocity_body: V3::zeros(),
             wheels: vec![],
             steering: 0.0,
             gear: Gear::Forward,

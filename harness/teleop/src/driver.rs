@@ -119,7 +119,7 @@ impl Witness for Live<'_> {
             vb_sim::Gear::Neutral => 0.0,
             vb_sim::Gear::Forward => 1.0,
         };
-        let mut values = vec![s.time, s.x, s.y, s.z, q.i, q.j, q.k, q.w, state.velocity.norm()];
+        let mut values = vec![s.time, s.x, s.y, s.z, q.i, q.j, q.k, q.w, state.velocity_body.norm()];
         values.extend([s.roll.to_degrees(), s.pitch.to_degrees(), state.steering, s.throttle, s.brake, gear]);
         for (a, (axle, solved)) in self.vehicle.spec().axles.iter().zip(self.vehicle.axles()).enumerate() {
             let travels = [state.wheels[2 * a].deflection, state.wheels[2 * a + 1].deflection];

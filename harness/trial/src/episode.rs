@@ -179,7 +179,7 @@ impl Episode {
 #[must_use]
 pub fn sample(state: &VehicleState, controls: Controls) -> Sample {
     let (roll, pitch, yaw) = state.roll_pitch_yaw();
-    let (p, v, w) = (state.position, state.velocity, state.angular_velocity);
+    let (p, v, w) = (state.position, state.velocity_body, state.angular_velocity_body);
     Sample {
         time: state.time,
         x: p.x,

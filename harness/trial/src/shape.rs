@@ -115,13 +115,13 @@ const SMALL_COMMAND: f64 = 0.2;
 fn skid_steer(standing: &Simulation, steering: f64, period: u64) -> Result<f64, SimError> {
     let mut sim = standing.clone();
     for _ in 0..800 {
-        let e = 3.0 - sim.state().velocity.x;
+        let e = 3.0 - sim.state().velocity_body.x;
         let (throttle, brake) = (e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
         let controls = Controls { steering, throttle, brake, ..Controls::default() };
         sim.advance(controls, period)?;
     }
     let s = sim.state();
-    Ok(s.angular_velocity.z / s.velocity.x)
+    Ok(s.angular_velocity_body.z / s.velocity_body.x)
 }
 
 /// The speed backwards after ten seconds of full throttle on level ground, m/s, with `period` steps in [`PERIOD`].
@@ -131,7 +131,7 @@ fn backwards(standing: &Simulation, period: u64) -> Result<f64, SimError> {
     for _ in 0..1000 {
         sim.advance(controls, period)?;
     }
-    Ok((-sim.state().velocity.x).max(0.0))
+    Ok((-sim.state().velocity_body.x).max(0.0))
 }
 
 /// The mean angle of the first axle's wheels at steering command 1, rad; 0 without an axle.

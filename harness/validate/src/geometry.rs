@@ -177,8 +177,9 @@ impl Geometry {
     pub(crate) fn mechanical_energy(&self, s: &VehicleState) -> f64 {
         let com = self.com_of(s);
         let arm = com - s.position;
-        let v = s.attitude * s.velocity + (s.attitude * s.angular_velocity).cross(&arm);
-        let turning = 0.5 * s.angular_velocity.dot(&self.chassis_inertia.component_mul(&s.angular_velocity));
+        let v = s.attitude * s.velocity_body + (s.attitude * s.angular_velocity_body).cross(&arm);
+        let turning =
+            0.5 * s.angular_velocity_body.dot(&self.chassis_inertia.component_mul(&s.angular_velocity_body));
         let spins: f64 =
             self.corners.iter().zip(&s.wheels).map(|(c, w)| 0.5 * c.spin_inertia * w.speed * w.speed).sum();
         self.weight() * com.z + 0.5 * self.mass * v.norm_squared() + turning + spins

@@ -75,13 +75,13 @@ impl Pace {
     /// The original's speed controller: the error of the speed (gain 1) is the throttle, or negative the brake
     /// (`compute_throttle` in its systems/PID/PID.py). The target is a full-size speed.
     pub(crate) fn hold_speed(self, s: &VehicleState, target: f64, steering: f64) -> Controls {
-        let e = target - s.velocity.x / self.root;
+        let e = target - s.velocity_body.x / self.root;
         controls(steering, e, -e)
     }
 
     /// The same controller backwards, in reverse; the target is not negative.
     pub(crate) fn hold_speed_back(self, s: &VehicleState, target: f64, steering: f64) -> Controls {
-        let e = target + s.velocity.x / self.root;
+        let e = target + s.velocity_body.x / self.root;
         reverse(steering, e, -e)
     }
 
@@ -116,5 +116,5 @@ fn label(full_size: f64, scaled: f64) -> String {
 
 /// Speed over ground, m/s.
 pub(crate) fn speed(s: &VehicleState) -> f64 {
-    hypot(s.velocity.x, s.velocity.y)
+    hypot(s.velocity_body.x, s.velocity_body.y)
 }

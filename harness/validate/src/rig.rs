@@ -108,15 +108,23 @@ impl Drive {
     /// Tilts gravity about the x axis: as if the ground had turned by `angle` (rad), its y axis downhill.
     pub(crate) fn tilt(&mut self, angle: f64) {
         let (s, c) = vb_math::sin_cos(angle);
-        self.sim.set_gravity([0.0, vb_vehicle::GRAVITY * s, -vb_vehicle::GRAVITY * c]);
+        self.sim.rig().set_gravity([0.0, vb_vehicle::GRAVITY * s, -vb_vehicle::GRAVITY * c]);
     }
 
     fn record(&mut self, s: &VehicleState, c: Controls) {
         let (roll, pitch, yaw) = s.roll_pitch_yaw();
-        let v = s.attitude * s.velocity;
+        let v = s.attitude * s.velocity_body;
         let mut row = vec![s.time, s.position.x, s.position.y, s.position.z];
         row.extend([roll, pitch, yaw].map(degrees));
-        row.extend([s.velocity.x, s.velocity.y, v.z, s.angular_velocity.z, s.steering, c.throttle, c.brake]);
+        row.extend([
+            s.velocity_body.x,
+            s.velocity_body.y,
+            v.z,
+            s.angular_velocity_body.z,
+            s.steering,
+            c.throttle,
+            c.brake,
+        ]);
         row.extend(s.wheels.iter().flat_map(|w| [w.speed, w.deflection, w.load, w.sinkage]));
         let drive = self.sim.drive();
         row.extend([f64::from(drive.gear), drive.engine_speed]);

@@ -122,16 +122,17 @@ impl RigidWheel {
 mod tests {
     use super::*;
     use vb_math::pow;
-    use vb_sim::soil::{PressureDirection, Sinkage, SlipSinkage};
+    use vb_sim::soil::{Bekker, PressureDirection, Shear, Sinkage, SlipSinkage};
 
     const WHEEL: RigidWheel = RigidWheel { radius: 0.467, breadth: 0.3175, load: 6369.0 };
 
     fn soil(k_phi: f64, n: f64, elastic_stiffness: f64) -> SoilLaw {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi, k_c: 0.0, exponent: n },
+            sinkage: Sinkage::Bekker(Bekker { k_phi, k_c: 0.0, exponent: n }),
             slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 0.0,
+            shear: Shear::Janosi,
             shear_modulus: 0.01,
             elastic_stiffness,
             damping: 0.0,

@@ -11,6 +11,7 @@
 
 mod check;
 mod describe;
+mod field;
 pub mod kinematics;
 mod model;
 pub mod powertrain;

@@ -105,8 +105,8 @@ impl Columns<'_> {
             time: 0.0,
             position,
             attitude,
-            velocity: attitude.inverse() * self.three(row, ["vx", "vy", "vz"])?,
-            angular_velocity: self.three(row, ["wx", "wy", "wz"])?,
+            velocity_body: attitude.inverse() * self.three(row, ["vx", "vy", "vz"])?,
+            angular_velocity_body: self.three(row, ["wx", "wy", "wz"])?,
             wheels,
             steering,
             gear: Gear::Forward,
@@ -138,11 +138,11 @@ fn losses(
     let start = Pose2 { x: columns.one(&driven[0], "x")?, y: columns.one(&driven[0], "y")?, yaw: 0.0 };
     let options = SimOptions { settle_time: 0.01, ..SimOptions::default() };
     let mut sim = Simulation::new(Arc::new(world.clone()), model, soils, start, options).map_err(failed)?;
-    sim.put(&columns.state(&driven[0], model)?, columns.one(&driven[0], "gear")? as usize);
+    sim.rig().put(&columns.state(&driven[0], model)?, columns.one(&driven[0], "gear")? as usize);
     let steps = ((period / options.step).round() as u64).max(1);
     let mut ours = Vec::new();
     for row in driven {
-        ours.push(sim.state().velocity.x);
+        ours.push(sim.state().velocity_body.x);
         let controls = Controls {
             steering: columns.one(row, "steering")?,
             throttle: columns.one(row, "throttle")?,

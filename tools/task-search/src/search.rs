@@ -181,7 +181,7 @@ fn cell(state: &VehicleState, scale: f64) -> [i64; 4] {
         whole(p.x, CELL[0]),
         whole(p.y, CELL[0]),
         whole(yaw, CELL[1]),
-        whole(state.velocity.x / scale.sqrt(), CELL[2]),
+        whole(state.velocity_body.x / scale.sqrt(), CELL[2]),
     ]
 }
 

@@ -77,8 +77,8 @@ fn observed(s: &VehicleState) -> Observation {
         roll,
         pitch,
         yaw,
-        linear_velocity: vector(s.velocity.into()),
-        angular_velocity: vector(s.angular_velocity.into()),
+        linear_velocity: vector(s.velocity_body.into()),
+        angular_velocity: vector(s.angular_velocity_body.into()),
     };
     Observation {
         time: s.time,

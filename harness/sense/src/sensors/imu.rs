@@ -76,10 +76,10 @@ impl Imu {
 
     /// Measures the time from one state to the next.
     pub(crate) fn sample(&mut self, before: &VehicleState, now: &VehicleState) {
-        let (v0, v1) = (before.attitude * before.velocity, now.attitude * now.velocity);
+        let (v0, v1) = (before.attitude * before.velocity_body, now.attitude * now.velocity_body);
         let middle = Frame::of(before).towards(&Frame::of(now), 0.5).turn;
         let force = middle.inverse() * ((v1 - v0) / DT + V3::new(0.0, 0.0, GRAVITY));
-        let rate = 0.5 * (before.angular_velocity + now.angular_velocity);
+        let rate = 0.5 * (before.angular_velocity_body + now.angular_velocity_body);
         for k in 0..3 {
             self.sum[0][k] += force[k] + self.force[k].step();
             self.sum[1][k] += rate[k] + self.rate[k].step();

@@ -43,8 +43,8 @@ pub(crate) fn exact(state: &VehicleState) -> Pose {
         roll,
         pitch,
         yaw,
-        linear_velocity: vec3(&state.velocity),
-        angular_velocity: vec3(&state.angular_velocity),
+        linear_velocity: vec3(&state.velocity_body),
+        angular_velocity: vec3(&state.angular_velocity_body),
     }
 }
 
@@ -81,7 +81,7 @@ impl Errors {
         let length = way.norm();
         let heading = self.heading.step(length);
         let mut position = now.position + self.turned;
-        let (mut velocity, mut rate) = (now.velocity, now.angular_velocity);
+        let (mut velocity, mut rate) = (now.velocity_body, now.angular_velocity_body);
         for k in 0..3 {
             position[k] += self.walk[k].step(length);
             velocity[k] += self.velocity[k].step();

@@ -12,8 +12,8 @@ fn hilly() -> Arc<Scene> {
 
 fn moving(t: f64) -> VehicleState {
     VehicleState {
-        velocity: V3::new(2.0, 0.1, 0.0),
-        angular_velocity: V3::new(0.0, 0.0, 0.3),
+        velocity_body: V3::new(2.0, 0.1, 0.0),
+        angular_velocity_body: V3::new(0.0, 0.0, 0.3),
         wheels: vec![WheelState { speed: 4.0, deflection: 0.01, ..WheelState::default() }; 4],
         ..at(V3::new(2.0 * t, 0.0, 0.7), crate::common::Quat::from_euler_angles(0.02, -0.03, 0.3 * t))
     }

@@ -39,8 +39,8 @@ fn at_rest_the_specific_force_points_up_whatever_the_attitude() {
 fn on_a_circle_it_measures_the_turn_and_the_force_towards_the_middle() {
     // 5 m/s at 0.5 rad/s to the left: 2.5 m/s² to the left.
     let circle = |t: f64| VehicleState {
-        velocity: V3::new(5.0, 0.0, 0.0),
-        angular_velocity: V3::new(0.0, 0.0, 0.5),
+        velocity_body: V3::new(5.0, 0.0, 0.0),
+        angular_velocity_body: V3::new(0.0, 0.0, 0.5),
         ..at(V3::zeros(), Quat::from_axis_angle(&V3::z_axis(), 0.5 * t))
     };
     for s in ideal(50, circle) {
@@ -49,10 +49,10 @@ fn on_a_circle_it_measures_the_turn_and_the_force_towards_the_middle() {
     }
     // 3 m/s² forward, and free fall.
     let forward =
-        |t: f64| VehicleState { velocity: V3::new(3.0 * t, 0.0, 0.0), ..standing(0.0, 0.0, 0.0, 1.0) };
+        |t: f64| VehicleState { velocity_body: V3::new(3.0 * t, 0.0, 0.0), ..standing(0.0, 0.0, 0.0, 1.0) };
     assert_near(ideal(3, forward)[2].specific_force, [3.0, 0.0, 9.81], 1e-9);
     let falling =
-        |t: f64| VehicleState { velocity: V3::new(0.0, 0.0, -9.81 * t), ..standing(0.0, 0.0, 0.0, 1.0) };
+        |t: f64| VehicleState { velocity_body: V3::new(0.0, 0.0, -9.81 * t), ..standing(0.0, 0.0, 0.0, 1.0) };
     assert_near(ideal(3, falling)[2].specific_force, [0.0; 3], 1e-9);
 }
 

@@ -22,7 +22,10 @@ fn oracle() -> Profile {
 fn drive(t: f64) -> VehicleState {
     let yaw = 0.4;
     let (s, c) = vb_math::sin_cos(yaw);
-    VehicleState { velocity: V3::new(4.0, 0.0, 0.0), ..standing(-5.0 + 4.0 * t * c, 4.0 * t * s, 0.7, yaw) }
+    VehicleState {
+        velocity_body: V3::new(4.0, 0.0, 0.0),
+        ..standing(-5.0 + 4.0 * t * c, 4.0 * t * s, 0.7, yaw)
+    }
 }
 
 #[test]

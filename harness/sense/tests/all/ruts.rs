@@ -77,7 +77,7 @@ fn the_wheels_of_a_vehicle_leave_ruts_that_its_lidar_sees() {
     };
     sample(&sim);
     for _ in 0..600 {
-        let throttle = (3.0 - sim.state().velocity.x).clamp(0.0, 1.0);
+        let throttle = (3.0 - sim.state().velocity_body.x).clamp(0.0, 1.0);
         sim.advance(Controls { throttle, ..Controls::default() }, 10).unwrap();
         sample(&sim);
     }

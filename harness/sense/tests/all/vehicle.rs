@@ -15,7 +15,7 @@ fn rolling(spin: f64) -> impl Fn(f64) -> VehicleState {
 
 /// Drives along x at a speed.
 fn driving(speed: f64) -> impl Fn(f64) -> VehicleState {
-    move |t| VehicleState { velocity: V3::new(speed, 0.0, 0.0), ..standing(speed * t, 0.0, 0.0, 0.0) }
+    move |t| VehicleState { velocity_body: V3::new(speed, 0.0, 0.0), ..standing(speed * t, 0.0, 0.0, 0.0) }
 }
 
 #[test]

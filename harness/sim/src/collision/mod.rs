@@ -9,7 +9,7 @@ mod separation;
 mod surroundings;
 
 pub(crate) use chassis::ChassisContacts;
-pub(crate) use facets::{HardWheel, MOST as MOST_FACETS};
+pub(crate) use facets::{Facets, HardWheel, MOST as MOST_FACETS};
 pub(crate) use footing::Footing;
 pub use surroundings::Surroundings;
 

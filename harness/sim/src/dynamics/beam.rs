@@ -44,7 +44,7 @@ pub(super) fn eliminate(
     let wheels = &kinematics.wheels[pair.clone()];
     let corners =
         design.corners[pair.clone()].iter().zip(&kinematics.placements[pair.clone()]).zip(&forces[pair]);
-    let w = &kinematics.body.w;
+    let w = &kinematics.body.w_world;
     let rates = Vector2::new(wheels[0].travel_rate, wheels[1].travel_rate);
     let mut d = Matrix2::zeros();
     let mut rhs = Vector2::zeros();
@@ -140,7 +140,7 @@ mod tests {
         let travels = [0.05, -0.03];
         (v.state.wheels[0].travel, v.state.wheels[1].travel) = (travels[0], travels[1]);
         let beam = v.design.beams[0].clone();
-        let (design, gravity) = (v.design.clone(), v.gravity);
+        let (design, gravity) = (v.design.clone(), v.gravity_world);
         let kinematics = v.placed();
         let axis = kinematics.placements[0].motion.axis;
         let mut forces: Vec<_> = design.corners.iter().map(|c| Forces::none(c.mass)).collect();

@@ -4,9 +4,9 @@ use super::design::Design;
 use super::ground::Ground;
 use super::kinematics::Kinematics;
 use super::state::Contacts;
-use crate::collision::OBSTACLE_FRICTION;
-use crate::soil::Under;
-use crate::tyre::{Contact, Patch, Reaction, WheelMotion};
+use crate::collision::{Facets, OBSTACLE_FRICTION, WheelShape};
+use crate::soil::{SoilGround, Under};
+use crate::tyre::{Contact, Patch, Reaction, Tyre, WheelMotion};
 use crate::{M3, V3};
 
 /// How fast a contact may deepen over the speeds at which the wheel approaches the ground there and passes it: more than
@@ -74,104 +74,163 @@ pub(super) fn touch_wheels(
     dt: f64,
 ) {
     let wheels = design.corners.iter().zip(kinematics.placements).zip(contacts);
-    for (((corner, place), contacts), f) in wheels.zip(forces) {
-        *f = Forces::none(corner.mass);
-        touch(design, corner.tyre, &place.motion, ground, contacts, f, dt);
+    for (((corner, place), contacts), forces) in wheels.zip(forces) {
+        *forces = Forces::none(corner.mass);
+        let (tyre, shape) = (&design.tyres[corner.tyre], &design.shapes[corner.tyre]);
+        Touch { tyre, shape, motion: &place.motion, ground, contacts, forces, dt }.touch();
     }
 }
 
-/// Adds the forces of ground and obstacles on one wheel, whose tyre has this number, to `f`.
-fn touch(
-    design: &Design,
-    tyre: usize,
-    motion: &WheelMotion,
-    ground: &mut Ground<'_>,
-    contacts: &mut Contacts,
-    f: &mut Forces,
+/// The generalised force of ground and obstacles on the steering command, N m.
+pub(super) fn steering_load(design: &Design, kinematics: &Kinematics<'_>, forces: &[Forces]) -> f64 {
+    let steered =
+        design.corners.iter().zip(kinematics.placements).zip(forces).filter(|((c, _), _)| c.steered);
+    steered.map(|((_, p), f)| p.steer.dot(&f.force) + p.steer_tilt.dot(&f.moment)).sum()
+}
+
+/// One wheel that touches ground and obstacles in a step.
+struct Touch<'a, 'g> {
+    tyre: &'a Tyre,
+    shape: &'a WheelShape,
+    motion: &'a WheelMotion,
+    ground: &'a mut Ground<'g>,
+    contacts: &'a mut Contacts,
+    /// To which the reactions are added.
+    forces: &'a mut Forces,
     dt: f64,
-) {
-    let (hub, axis) = (&motion.hub, &motion.axis);
-    let (tyre, shape) = (&design.tyres[tyre], &design.shapes[tyre]);
-    let damped = dt * tyre.damping();
-    let envelope = tyre.envelope();
-    let reach = envelope.radius();
-    let under = ground.under(hub.x, hub.y, reach);
-    let mut limited = false;
-    let friction = |x, y| match under {
-        Under::Mixed => ground.semantics.rigid_friction_around(x, y, reach),
-        _ => ground.semantics.friction_at(x, y),
-    };
-    let rigid = |x, y| 1.0 - ground.soil.fraction(x, y, ground.soil.blend);
-    let facets = match (&under, shape.hard()) {
-        // A track's wheels stand on its belt.
-        (Under::Rigid | Under::Mixed, Some(wheel)) if contacts.footprint.is_some() => {
-            wheel.facets(ground.heightfield, hub, axis, tyre.reach())
-        }
-        _ => None,
-    };
-    if facets.is_none() {
-        contacts.facets.clear();
-    }
-    let contact = match under {
-        Under::Rigid | Under::Mixed if let Some(facets) = &facets => {
-            let before = contacts.facets;
-            contacts.facets.clear();
-            for (facet, contact) in facets.iter() {
-                let (x, y) = (contact.point.x, contact.point.y);
-                let fraction = if under == Under::Mixed { rigid(x, y) } else { 1.0 };
-                if fraction <= 0.0 {
-                    continue;
-                }
-                let mut patch = before.before(*facet, &contact.normal);
-                if let Some(r) = tyre.react(motion, contact, friction(x, y), &mut patch, dt) {
-                    f.add(&r, &contact.normal, damped, fraction);
-                }
-                contacts.facets.push(*facet, contact.normal, patch);
-            }
+}
+
+impl Touch<'_, '_> {
+    fn touch(&mut self) {
+        let hub = &self.motion.hub;
+        let under = self.ground.under(hub.x, hub.y, self.reach());
+        let facets = self.facets(under);
+        let contact = if let Some(facets) = &facets {
+            self.press_facets(facets, under);
             None
-        }
-        Under::Rigid => {
-            envelope.query_where(ground.heightfield, hub, axis, &mut contacts.clearance, |_, _| 1.0)
-        }
-        Under::Soil(_) => None,
-        Under::Mixed => envelope.query_where(ground.heightfield, hub, axis, &mut contacts.clearance, rigid),
-    };
-    if let Some(contact) = contact {
-        let (contact, held) = motion.held(&contact, &mut contacts.ground_depth, reach, dt);
-        limited |= held;
-        let friction = friction(contact.point.x, contact.point.y);
-        if let Some(r) = tyre.react(motion, &contact, friction, &mut contacts.ground, dt) {
-            f.add(&r, &contact.normal, damped, 1.0);
-        }
-    } else {
-        contacts.ground = Patch::default();
-        contacts.ground_depth = 0.0;
+        } else {
+            self.contacts.facets.clear();
+            self.envelop(under)
+        };
+        let mut limited = self.press_ground(contact, under);
+        self.press_soil(under);
+        limited |= self.press_obstacles();
+        self.contacts.held += u64::from(limited);
     }
-    if !ground.soil.is_empty()
-        && let Some(footprint) = &mut contacts.footprint
-        && let Some(s) = footprint.step(ground.soil, ground.heightfield, under, motion, dt)
-    {
-        let about_axle = axis.dot(&s.moment);
-        f.force += s.force;
-        f.moment += s.moment - axis * about_axle;
-        f.spin_moment += about_axle;
-        f.inertia += s.inertia;
-        f.load += s.load;
-        f.sinkage = s.sinkage;
+
+    /// The radius of the wheel, m.
+    fn reach(&self) -> f64 {
+        self.tyre.envelope().radius()
     }
-    if ground.obstacles.any_near() || !contacts.obstacles.is_empty() {
-        let before = std::mem::take(&mut contacts.obstacles);
-        for found in ground.obstacles.wheel_contacts(shape, hub, axis).into_iter().flatten() {
-            let mut own = before.before(&found);
-            let (contact, held) = motion.held(&found.contact, &mut own.depth, reach, dt);
-            limited |= held;
-            if let Some(r) = tyre.react(motion, &contact, OBSTACLE_FRICTION, &mut own.patch, dt) {
-                f.add(&r, &contact.normal, damped, 1.0);
+
+    /// The friction coefficient of the ground at a point.
+    fn friction(&self, under: Under, x: f64, y: f64) -> f64 {
+        match under {
+            Under::Mixed => self.ground.semantics.rigid_friction_around(x, y, self.reach()),
+            _ => self.ground.semantics.friction_at(x, y),
+        }
+    }
+
+    /// The facets that a hard wheel touches; none of another wheel, nor of one that stands on a track's belt.
+    fn facets(&self, under: Under) -> Option<Facets> {
+        match (under, self.shape.hard()) {
+            (Under::Rigid | Under::Mixed, Some(wheel)) if self.contacts.footprint.is_some() => {
+                wheel.facets(self.ground.heightfield, &self.motion.hub, &self.motion.axis, self.tyre.reach())
             }
-            contacts.obstacles.push(own);
+            _ => None,
         }
     }
-    contacts.held += u64::from(limited);
+
+    /// The contact of the whole outline with rigid ground.
+    fn envelop(&mut self, under: Under) -> Option<Contact> {
+        let (envelope, WheelMotion { hub, axis, .. }) = (self.tyre.envelope(), self.motion);
+        let (heightfield, clearance) = (self.ground.heightfield, &mut self.contacts.clearance);
+        match under {
+            Under::Rigid => envelope.query_where(heightfield, hub, axis, clearance, |_, _| 1.0),
+            Under::Soil(_) => None,
+            Under::Mixed => {
+                let soil = &self.ground.soil;
+                envelope.query_where(heightfield, hub, axis, clearance, |x, y| rigid(soil, x, y))
+            }
+        }
+    }
+
+    fn press_facets(&mut self, facets: &Facets, under: Under) {
+        let before = self.contacts.facets;
+        self.contacts.facets.clear();
+        for (facet, contact) in facets.iter() {
+            let (x, y) = (contact.point.x, contact.point.y);
+            let fraction = if under == Under::Mixed { rigid(self.ground.soil, x, y) } else { 1.0 };
+            if fraction <= 0.0 {
+                continue;
+            }
+            let mut patch = before.before(*facet, &contact.normal);
+            self.react(contact, self.friction(under, x, y), &mut patch, fraction);
+            self.contacts.facets.push(*facet, contact.normal, patch);
+        }
+    }
+
+    /// Presses the contact with the ground, if there is one; whether its depth was limited.
+    fn press_ground(&mut self, contact: Option<Contact>, under: Under) -> bool {
+        let Some(contact) = contact else {
+            self.contacts.ground = Patch::default();
+            self.contacts.ground_depth = 0.0;
+            return false;
+        };
+        let reach = self.reach();
+        let (contact, limited) = self.motion.held(&contact, &mut self.contacts.ground_depth, reach, self.dt);
+        let mut patch = self.contacts.ground;
+        self.react(&contact, self.friction(under, contact.point.x, contact.point.y), &mut patch, 1.0);
+        self.contacts.ground = patch;
+        limited
+    }
+
+    fn press_soil(&mut self, under: Under) {
+        let ground = &mut *self.ground;
+        if !ground.soil.is_empty()
+            && let Some(footprint) = &mut self.contacts.footprint
+            && let Some(s) = footprint.step(ground.soil, ground.heightfield, under, self.motion, self.dt)
+        {
+            let (f, axis) = (&mut *self.forces, &self.motion.axis);
+            let about_axle = axis.dot(&s.moment);
+            f.force += s.force;
+            f.moment += s.moment - axis * about_axle;
+            f.spin_moment += about_axle;
+            f.inertia += s.inertia;
+            f.load += s.load;
+            f.sinkage = s.sinkage;
+        }
+    }
+
+    /// Presses the contacts with obstacles; whether a depth was limited.
+    fn press_obstacles(&mut self) -> bool {
+        let mut limited = false;
+        if self.ground.obstacles.any_near() || !self.contacts.obstacles.is_empty() {
+            let before = std::mem::take(&mut self.contacts.obstacles);
+            let found = self.ground.obstacles.wheel_contacts(self.shape, &self.motion.hub, &self.motion.axis);
+            for found in found.into_iter().flatten() {
+                let mut own = before.before(&found);
+                let (contact, held) = self.motion.held(&found.contact, &mut own.depth, self.reach(), self.dt);
+                limited |= held;
+                self.react(&contact, OBSTACLE_FRICTION, &mut own.patch, 1.0);
+                self.contacts.obstacles.push(own);
+            }
+        }
+        limited
+    }
+
+    /// Adds the tyre's reaction at a contact, of which rigid ground has a fraction.
+    #[inline]
+    fn react(&mut self, contact: &Contact, friction: f64, patch: &mut Patch, fraction: f64) {
+        if let Some(r) = self.tyre.react(self.motion, contact, friction, patch, self.dt) {
+            self.forces.add(&r, &contact.normal, self.dt * self.tyre.damping(), fraction);
+        }
+    }
+}
+
+/// The fraction of a load at a point that rigid ground carries.
+fn rigid(soil: &SoilGround, x: f64, y: f64) -> f64 {
+    1.0 - soil.fraction(x, y, soil.blend)
 }
 
 impl WheelMotion {

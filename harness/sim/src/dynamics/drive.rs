@@ -13,10 +13,10 @@ use vb_vehicle::MAX_WHEELS;
 /// is told.
 pub(super) fn demand(design: &Design, body: &Body, direction: Gear, controls: &Controls) -> Demand {
     let forward = body.q * V3::x();
-    let speed = body.v.dot(&forward);
+    let speed = body.v_world.dot(&forward);
     let ahead = if direction == Gear::Reverse { -speed } else { speed };
     let throttle = design.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(ahead)));
-    let turning = body.w.cross(&(body.q * design.reference)).dot(&forward);
+    let turning = body.w_world.cross(&(body.q * design.reference)).dot(&forward);
     Demand { throttle, gear: controls.gear, speed: speed + turning }
 }
 

@@ -24,6 +24,6 @@ pub(super) fn integrate(
     for (belt, speed) in state.belts.iter_mut().zip(driven.belts) {
         belt.speed = speed;
     }
-    state.body.v += increments.velocity;
-    state.body.w += increments.angular_velocity;
+    state.body.v_world += increments.velocity;
+    state.body.w_world += increments.angular_velocity;
 }

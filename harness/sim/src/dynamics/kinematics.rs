@@ -96,8 +96,8 @@ impl<'a> Kinematics<'a> {
             let axis = turn * pose.axis;
             let tangent = turn * pose.hub_rate;
             let tilt = turn * pose.tilt_rate;
-            let mut velocity = body.v + body.w.cross(&arm) + tangent * w.travel_rate;
-            let mut rotation = body.w + tilt * w.travel_rate + axis * w.spin;
+            let mut velocity = body.v_world + body.w_world.cross(&arm) + tangent * w.travel_rate;
+            let mut rotation = body.w_world + tilt * w.travel_rate + axis * w.spin;
             let (mut steer, mut steer_tilt) = (V3::zeros(), V3::zeros());
             if c.steered {
                 (steer, steer_tilt) = (turn * pose.hub_steer_rate, turn * pose.steer_tilt_rate);
@@ -115,7 +115,7 @@ impl<'a> Kinematics<'a> {
                 strut_rates: pose.strut_rates,
                 bar: pose.bar,
                 bar_rate: pose.bar_rate,
-                motion: WheelMotion { hub: body.x + arm, velocity, rotation, axis, spin: w.spin },
+                motion: WheelMotion { hub: body.x_world + arm, velocity, rotation, axis, spin: w.spin },
             };
         }
         for (b, beam) in design.beams.iter().zip(beams.iter_mut()) {
@@ -135,12 +135,12 @@ impl<'a> Kinematics<'a> {
                 let cross = turn * p.hub_rates[1 - i];
                 let cross_tilt = turn * p.tilt_rates[1 - i];
                 let (steer, steer_tilt) = (turn * p.hub_steer_rate, turn * p.steer_tilt_rate);
-                let velocity = body.v
-                    + body.w.cross(&arm)
+                let velocity = body.v_world
+                    + body.w_world.cross(&arm)
                     + tangent * rates[i]
                     + cross * rates[1 - i]
                     + steer * steering.rate;
-                let rotation = body.w
+                let rotation = body.w_world
                     + tilt * rates[i]
                     + cross_tilt * rates[1 - i]
                     + steer_tilt * steering.rate
@@ -156,7 +156,7 @@ impl<'a> Kinematics<'a> {
                     strut_rates: [0.0; 2],
                     bar: 0.0,
                     bar_rate: 0.0,
-                    motion: WheelMotion { hub: body.x + arm, velocity, rotation, axis, spin: w.spin },
+                    motion: WheelMotion { hub: body.x_world + arm, velocity, rotation, axis, spin: w.spin },
                 };
                 beam.cross[i] = cross;
                 beam.cross_tilt[i] = cross_tilt;

@@ -1,7 +1,7 @@
 //! The equations of motion: forces at the corners, elimination of the corners, one 6 × 6 solve, integration.
 //!
-//! Notation: the chassis' centre of mass has position x, velocity v, the body attitude q and angular velocity w, all
-//! in the world frame. A corner is a point mass at its hub that moves along the suspension's curve; the upright's
+//! Notation: the chassis' centre of mass has position x and velocity v, the body attitude q and angular velocity w, all
+//! in the world frame (`x_world` and so on, where a name stands alone). A corner is a point mass at its hub that moves along the suspension's curve; the upright's
 //! rotation enters through the virtual work of the contact moment. Eliminating the corner's travel gives its
 //! articulated inertia M − M t tᵀ M / (tᵀ M t) (Featherstone, Rigid Body Dynamics Algorithms, 2008, eq. 7.23), here
 //! with a 3 × 3 mass since corners have no rotational inertia of their own beside spin. A beam is three such points
@@ -31,6 +31,8 @@ mod ground;
 mod integrate;
 mod kinematics;
 mod obstacles;
+#[cfg(feature = "rig")]
+mod rig;
 mod solve;
 mod stand;
 mod state;
@@ -42,7 +44,7 @@ pub use stand::WheelStand;
 
 use crate::V3;
 use crate::powertrain::DriveState;
-use crate::state::{Controls, Gear, VehicleState, WheelState};
+use crate::state::{Controls, Gear, WheelState};
 use crate::tyre::Envelope;
 use contact::Forces;
 use design::{Design, Guide};
@@ -62,8 +64,8 @@ pub(crate) struct Vehicle {
     state: State,
     /// What the last step computed on its way, for those who look at the vehicle.
     last: Given,
-    /// World axes, m/s².
-    pub(crate) gravity: V3,
+    /// The acceleration of gravity, m/s².
+    pub(crate) gravity_world: V3,
 }
 
 /// What the stages of a step give that is more than a few numbers. Each step fills it anew, so that steps take no memory.
@@ -79,6 +81,9 @@ struct Given {
 }
 
 impl Vehicle {
+    /// The acceleration of gravity in world axes, m/s², where no test rig has changed it.
+    pub(crate) const GRAVITY: V3 = V3::new(0.0, 0.0, -GRAVITY);
+
     pub(crate) fn new(spec: &VehicleSpec, axles: &[AxleKinematics], soil_resolution: f64) -> Self {
         let design = Design::new(spec, axles);
         Self {
@@ -90,7 +95,7 @@ impl Vehicle {
                 forces: vec![Forces::default(); design.corners.len()],
             },
             design: Arc::new(design),
-            gravity: V3::new(0.0, 0.0, -GRAVITY),
+            gravity_world: Self::GRAVITY,
         }
     }
 
@@ -150,7 +155,7 @@ impl Vehicle {
         let body = &self.state.body;
         self.design.corners.iter().enumerate().map(|(i, c)| {
             let (hub, axis) = self.design.guided(c, self.travels(i), 0.0);
-            (body.x + body.q * (c.mount + hub), body.q * axis)
+            (body.x_world + body.q * (c.mount + hub), body.q * axis)
         })
     }
 
@@ -171,7 +176,13 @@ impl Vehicle {
     /// Kinetic energy and energy of height less the work that engine and steering have done so far, J. Energy held by
     /// springs and tyres is not in it.
     pub(crate) fn energy_balance(&self) -> f64 {
-        energy::balance(&self.design, &self.state, &self.last.placements, &self.last.beams, &self.gravity)
+        energy::balance(
+            &self.design,
+            &self.state,
+            &self.last.placements,
+            &self.last.beams,
+            &self.gravity_world,
+        )
     }
 
     /// The weight of the vehicle, N, and the radius of a wheel of its first tyre, m.
@@ -195,21 +206,10 @@ impl Vehicle {
         self.state.steering.stalled = 0;
     }
 
-    /// Brings all wheels to design height, at rest and without tyre forces.
-    pub(crate) fn reset_wheels(&mut self) {
-        self.state.reset_wheels(&self.design);
-        self.last.forces.iter_mut().for_each(|f| f.load = 0.0);
-    }
-
-    /// Gives the wheels speeds and travels, and puts steering, engine and gear as they are told.
-    pub(crate) fn put_wheels(&mut self, told: &VehicleState, gear: usize) {
-        self.state.put_wheels(&self.design, told, gear);
-    }
-
     /// Advances velocities, travels and spins by `dt`; the pose of the chassis is left to [`Body::move_on`] or to
     /// the contact solver.
     pub(crate) fn accelerate(&mut self, controls: Controls, ground: &mut Ground<'_>, dt: f64) {
-        let Self { design, state, last, gravity } = self;
+        let Self { design, state, last, gravity_world } = self;
         let Given { placements, beams, laid, forces } = last;
         let steering = Steering::follow(controls.steering, design, &state.steering, dt);
         let kinematics = Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams);
@@ -222,11 +222,11 @@ impl Vehicle {
             let thrusts = [0, 1].map(|i| laid[i].total_thrust());
             Shafts::of_sprockets(design, &state.belts, thrusts, forces, controls.brake, steering.command)
         };
-        let load = steering::load(design, &kinematics, forces);
+        let load = contact::steering_load(design, &kinematics, forces);
         state.steering.bear(load, steering.rate, dt);
         let demand = drive::demand(design, &state.body, state.drive.gear(), &controls);
         let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
-        let increments = solve::solve(design, &kinematics, forces, &driven, gravity, dt);
+        let increments = solve::solve(design, &kinematics, forces, &driven, gravity_world, dt);
         integrate::integrate(state, steering, &driven, &increments, dt);
     }
 }

@@ -23,6 +23,7 @@ pub(super) struct ObstaclePatches {
 
 impl ObstaclePatches {
     /// Contacts of a wheel that was put where it is, however deep it is in an obstacle there.
+    #[cfg(feature = "rig")]
     pub(super) fn at_any_depth() -> Self {
         Self { unknown: f64::MAX, ..Self::default() }
     }

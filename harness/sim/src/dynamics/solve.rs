@@ -74,13 +74,13 @@ fn accelerations(angular: &M3, coupling: &M3, linear: &M3, moment: &V3, force: &
 
 /// Resistance of the air, N, world axes.
 fn air(design: &Design, body: &Body) -> V3 {
-    let speed = body.v.norm();
+    let speed = body.v_world.norm();
     if design.resistance.is_empty() || speed <= 0.0 {
         return V3::zeros();
     }
     // A table that starts above zero must not push a vehicle at rest.
     let force = interpolate(&design.resistance, speed).0 * (speed / 0.1).min(1.0);
-    body.v * (-force / speed)
+    body.v_world * (-force / speed)
 }
 
 /// What the forces on the wheels, the driveline's torques and gravity (world axes, m/s²) do to the velocities within `dt`,
@@ -98,7 +98,7 @@ pub(super) fn solve(
     let mut angular = inertia;
     let mut coupling = M3::zeros();
     let mut linear = M3::from_diagonal_element(design.mass);
-    let mut moment = -body.w.cross(&(inertia * body.w));
+    let mut moment = -body.w_world.cross(&(inertia * body.w_world));
     let mut force = gravity * design.mass + air(design, body);
     // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
     let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
@@ -118,13 +118,13 @@ pub(super) fn solve(
     for (i, (((c, wheel), p), f)) in corners.enumerate() {
         // The driveline reacts on the chassis; a spinning wheel resists being turned.
         let axis = p.motion.axis;
-        let gyroscopic = body.w.cross(&(axis * (c.spin_inertia * driven.spins[i])));
+        let gyroscopic = body.w_world.cross(&(axis * (c.spin_inertia * driven.spins[i])));
         moment += f.moment - axis * driven.torques[i] - gyroscopic;
         if let Guide::Beam(_) = c.guide {
             continue;
         }
         if let Guide::Mount(_) = c.guide {
-            let bias = body.w.cross(&body.w.cross(&p.arm));
+            let bias = body.w_world.cross(&body.w_world.cross(&p.arm));
             let passed = f.force + gravity * c.mass - f.inertia * bias;
             let s = p.arm.cross_matrix();
             let sm = s * f.inertia;
@@ -145,8 +145,8 @@ pub(super) fn solve(
         if let Some(stops) = &c.stops {
             along -= stops.force(wheel.travel);
         }
-        let bias = body.w.cross(&body.w.cross(&p.arm))
-            + body.w.cross(&p.tangent) * (2.0 * wheel.travel_rate)
+        let bias = body.w_world.cross(&body.w_world.cross(&p.arm))
+            + body.w_world.cross(&p.tangent) * (2.0 * wheel.travel_rate)
             + p.bend;
         let applied = f.force + gravity * c.mass;
         let mt = f.inertia * p.tangent;

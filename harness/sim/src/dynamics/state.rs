@@ -5,7 +5,6 @@ use super::facets::FacetPatches;
 use super::obstacles::ObstaclePatches;
 use crate::powertrain::{Drive, Load};
 use crate::soil::{Footprint, TRACK, WHEEL};
-use crate::state::VehicleState;
 use crate::tyre::{Clearance, Patch};
 use crate::{Quat, V3};
 use vb_vehicle::VehicleSpec;
@@ -24,17 +23,17 @@ pub(crate) struct State {
     pub(super) drive: Drive,
 }
 
-/// The motion of the chassis, world axes.
+/// The motion of the chassis.
 #[derive(Clone, Copy)]
 pub(crate) struct Body {
-    /// The centre of mass, m.
-    pub(crate) x: V3,
-    /// The attitude.
+    /// The position of the chassis' centre of mass, m.
+    pub(crate) x_world: V3,
+    /// The attitude: the rotation from body axes to world axes.
     pub(crate) q: Quat,
-    /// The velocity of the centre of mass, m/s.
-    pub(crate) v: V3,
-    /// The angular velocity, rad/s.
-    pub(crate) w: V3,
+    /// The velocity of the chassis' centre of mass over the ground, m/s.
+    pub(crate) v_world: V3,
+    /// The angular velocity of the chassis, rad/s.
+    pub(crate) w_world: V3,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -67,8 +66,11 @@ impl SteeringState {
 /// The motion of a wheel against the chassis.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Wheel {
+    /// The suspension travel, m, positive in compression.
     pub(super) travel: f64,
+    /// m/s.
     pub(super) travel_rate: f64,
+    /// The angular velocity about the axle, rad/s, positive rolling forward.
     pub(super) spin: f64,
 }
 
@@ -116,13 +118,13 @@ pub(super) struct Span {
 impl Body {
     /// At rest at the origin.
     fn at_rest() -> Self {
-        Self { x: V3::zeros(), q: Quat::identity(), v: V3::zeros(), w: V3::zeros() }
+        Self { x_world: V3::zeros(), q: Quat::identity(), v_world: V3::zeros(), w_world: V3::zeros() }
     }
 
     /// Advances the pose with the velocities.
     pub(crate) fn move_on(&mut self, dt: f64) {
-        self.x += self.v * dt;
-        self.q = Quat::new_normalize((Quat::from_scaled_axis(self.w * dt) * self.q).into_inner());
+        self.x_world += self.v_world * dt;
+        self.q = Quat::new_normalize((Quat::from_scaled_axis(self.w_world * dt) * self.q).into_inner());
     }
 }
 
@@ -137,13 +139,6 @@ impl Contacts {
             clearance: Clearance::default(),
             footprint,
         }
-    }
-
-    /// Forgets contacts with hard ground and obstacles.
-    fn forget(&mut self) {
-        (self.ground, self.ground_depth) = (Patch::default(), 0.0);
-        self.obstacles = ObstaclePatches::default();
-        self.facets = FacetPatches::default();
     }
 
     /// The numbers that the next step depends on.
@@ -171,7 +166,7 @@ impl Belt {
     }
 
     /// At rest, without forces.
-    fn reset(&mut self, track: &Track) {
+    pub(super) fn reset(&mut self, track: &Track) {
         self.speed = 0.0;
         self.length = track.length;
         self.spans.fill(Span { tension: track.spec.tension, ..Span::default() });
@@ -212,27 +207,5 @@ impl State {
             wheels.flat_map(|(w, c)| [w.travel, w.travel_rate, w.spin].into_iter().chain(c.digest()));
         let belts = self.belts.iter().flat_map(Belt::digest);
         wheels.chain(self.steering.digest()).chain(self.drive.inner_state()).chain(belts)
-    }
-
-    /// Brings all wheels to design height, at rest and without tyre forces.
-    pub(super) fn reset_wheels(&mut self, design: &Design) {
-        self.wheels.fill(Wheel::default());
-        self.contacts.iter_mut().for_each(Contacts::forget);
-        for (belt, track) in self.belts.iter_mut().zip(&design.tracks) {
-            belt.reset(track);
-        }
-    }
-
-    /// Gives the wheels speeds and travels, and puts steering, engine and gear as they are told.
-    pub(super) fn put_wheels(&mut self, design: &Design, told: &VehicleState, gear: usize) {
-        let known = self.wheels.iter_mut().zip(&mut self.contacts).zip(&design.corners);
-        for (((own, contacts), corner), wheel) in known.zip(&told.wheels) {
-            (own.travel, own.spin) = (wheel.deflection, wheel.speed / corner.gearing);
-            // However deep the wheels are there.
-            (contacts.ground_depth, contacts.obstacles) = (f64::MAX, ObstaclePatches::at_any_depth());
-        }
-        self.steering =
-            SteeringState { command: told.steering, work: self.steering.work, ..SteeringState::default() };
-        self.drive.engage(told.gear, gear, told.engine_speed);
     }
 }

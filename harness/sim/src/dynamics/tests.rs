@@ -104,8 +104,8 @@ impl Vehicle {
         let mut copy = self.clone();
         let Kinematics { body, wheels, placements, beams, .. } = copy.placed();
         let design = &self.design;
-        let local = body.q.inverse() * body.w;
-        let mut e = 0.5 * design.mass * (body.v - frame).norm_squared()
+        let local = body.q.inverse() * body.w_world;
+        let mut e = 0.5 * design.mass * (body.v_world - frame).norm_squared()
             + 0.5 * local.dot(&design.inertia.component_mul(&local));
         for (c, p) in design.corners.iter().zip(placements) {
             let extra = match c.guide {
@@ -120,8 +120,10 @@ impl Vehicle {
         }
         for (b, p) in design.beams.iter().zip(beams) {
             let rates = [0, 1].map(|i| wheels[b.left + i].travel_rate);
-            let v =
-                body.v - frame + body.w.cross(&p.arm) + p.tangents[0] * rates[0] + p.tangents[1] * rates[1];
+            let v = body.v_world - frame
+                + body.w_world.cross(&p.arm)
+                + p.tangents[0] * rates[0]
+                + p.tangents[1] * rates[1];
             e += 0.5 * b.at_middle * v.norm_squared();
         }
         e
@@ -152,7 +154,7 @@ fn fall(vehicle: &mut Vehicle, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    vehicle.state.body.x.z = 100.0;
+    vehicle.state.body.x_world.z = 100.0;
     for k in 1..=steps {
         vehicle.accelerate(Controls::default(), &mut ground, dt);
         vehicle.body_mut().move_on(dt);
@@ -163,7 +165,7 @@ fn fall(vehicle: &mut Vehicle, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle
 /// Greatest change of energy in a tumbling fall, over the energy that moves to and fro.
 fn drift(spec: &VehicleSpec, dt: f64) -> f64 {
     let mut vehicle = build(spec);
-    vehicle.state.body.w = V3::new(0.9, -0.5, 0.7);
+    vehicle.state.body.w_world = V3::new(0.9, -0.5, 0.7);
     for (w, travel) in vehicle.state.wheels.iter_mut().zip([0.03, 0.02, 0.0, -0.01]) {
         w.travel = travel;
     }
@@ -175,7 +177,7 @@ fn drift(spec: &VehicleSpec, dt: f64) -> f64 {
         let travel = v.state.wheels[0].travel;
         (least, most) = (least.min(travel), most.max(travel));
     });
-    assert!(vehicle.state.body.x.z < 90.0, "it falls");
+    assert!(vehicle.state.body.x_world.z < 90.0, "it falls");
     assert!(most - least > 0.02, "the suspension works: {least} to {most}");
     worst / before.abs()
 }
@@ -314,7 +316,7 @@ fn at_rest(spec: &VehicleSpec) -> Vehicle {
     let mut soil = SoilGround::none();
     let mut ground =
         Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
-    vehicle.state.body.x.z = spec.tyre.radius() + spec.chassis.com[2];
+    vehicle.state.body.x_world.z = spec.tyre.radius() + spec.chassis.com[2];
     let controls = Controls { brake: 1.0, ..Controls::default() };
     for _ in 0..6000 {
         vehicle.accelerate(controls, &mut ground, 1e-3);
@@ -358,10 +360,10 @@ fn every_suspension_carries_the_vehicles_weight_at_rest() {
         }
         let v = at_rest(&spec);
         assert!(
-            v.body().v.norm() < 1e-3 && v.body().w.norm() < 1e-3,
+            v.body().v_world.norm() < 1e-3 && v.body().w_world.norm() < 1e-3,
             "{name}: {} {}",
-            v.body().v,
-            v.body().w
+            v.body().v_world,
+            v.body().w_world
         );
         let carried: f64 = v.last.forces.iter().map(|f| f.load).sum();
         let weight = GRAVITY * spec.total_mass();

@@ -64,6 +64,7 @@ impl Shifter {
     }
 
     /// Puts in a direction at once, and a forward gear, counted from 1; the highest there is at most.
+    #[cfg(feature = "rig")]
     pub(super) fn engage(&mut self, direction: Gear, gear: usize) {
         self.direction = self.available(direction);
         self.coming = None;

@@ -118,6 +118,7 @@ impl Drive {
 
     /// Puts in a direction and a forward gear, counted from 1, the highest there is at most; an engine that turns freely gets
     /// the speed, rad/s.
+    #[cfg(feature = "rig")]
     pub(crate) fn engage(&mut self, direction: Gear, gear: usize, engine_speed: f64) {
         self.shifter.engage(direction, gear);
         if let Some(free) = &mut self.free {

@@ -1,16 +1,16 @@
 //! The law of one soil: pressure over sinkage, shear stress over shear displacement.
 
+use super::shear::{Mobilised, Prepared, Shear, ShearLaw, greater};
 use super::sinkage::Sinkage;
 use super::slip::{self, SlipSinkage};
-use super::table::{Curve, SATURATED, Saturation};
+use super::table::Curve;
 use fearless_simd::{Simd, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
 
 /// The parameters of one soil, as a soil file gives them.
 ///
-/// Unloading and reloading follow a straight line of slope `elastic_stiffness`. Shear stress over shear displacement j
-/// is Janosi and Hanamoto's (Wong, Theory of Ground Vehicles, 4th ed. 2008, eq. 2.73):
-/// τ = (c + p tan φ)(1 − exp(−j/K)), whose bound is Mohr and Coulomb's.
+/// Unloading and reloading follow a straight line of slope `elastic_stiffness`. The bound of shear stress is Mohr and
+/// Coulomb's, c + p tan φ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoilLaw {
@@ -23,7 +23,10 @@ pub struct SoilLaw {
     pub cohesion: f64,
     /// The angle of internal friction φ, degrees.
     pub friction_angle_deg: f64,
-    /// The shear deformation modulus K of Janosi and Hanamoto, m.
+    /// The growth of shear stress with shear displacement.
+    #[serde(default, skip_serializing_if = "Shear::is_default")]
+    pub shear: Shear,
+    /// The shear deformation modulus K, m.
     pub shear_modulus: f64,
     /// The stiffness of unloading and reloading, Pa/m.
     pub elastic_stiffness: f64,
@@ -69,12 +72,11 @@ pub(crate) struct Soil {
     pub(crate) curve: Curve,
     /// Part of Lyasko's slip sinkage that the soil has, from 0 to 1.
     slip_sinkage: f64,
-    saturation: Saturation,
+    pub(crate) shear: Prepared,
     pub(crate) cohesion: f64,
     pub(crate) tan_phi: f64,
     /// Of steel on the soil.
     pub(crate) steel_friction: f64,
-    pub(crate) inverse_shear_modulus: f64,
     pub(crate) elastic: f64,
     /// 1 / elastic.
     pub(crate) compliance: f64,
@@ -108,13 +110,12 @@ impl SoilLaw {
             k_c,
             curve: Curve::new(|z| self.sinkage.shape(z)),
             slip_sinkage: self.slip_sinkage.strength(),
-            saturation: Saturation::new(),
+            shear: Prepared::new(self.shear, self.shear_modulus),
             cohesion: self.cohesion,
             tan_phi,
             steel_friction: self
                 .steel_friction
                 .unwrap_or_else(|| vb_math::tan(STEEL * self.friction_angle_deg.to_radians())),
-            inverse_shear_modulus: 1.0 / self.shear_modulus,
             elastic: self.elastic_stiffness,
             compliance: 1.0 / self.elastic_stiffness,
             damping: self.damping,
@@ -154,74 +155,46 @@ impl Soil {
 
     /// Advances shear by a slip velocity (m/s) under a pressure (Pa), at four stations at once. The state is the
     /// displacement (m) that mobilises the stress, along two directions; returns it and the stress on the rim (Pa).
-    ///
-    /// Janosi and Hanamoto's τ = s (1 − exp(−j/K)) is the solution of dτ/dj = (s − τ)/K under a displacement j in one
-    /// direction. In this form it is also defined where the direction changes: stress turns over a displacement of the
-    /// order of K and shearing to and fro takes work (the same equation is Dahl's model of friction, 1968), whereas
-    /// a stress that depends on the displacement alone would give all work back, as a spring would. The share τ/s is
-    /// advanced by that equation and kept as the displacement that it stands for: of the two, that is what rises evenly
-    /// from station to station, so that it can be moved through the footprint.
+    /// `shear` is the law of [`Self::shear`].
     #[inline(always)]
-    pub(crate) fn shear<S: Simd>(
+    pub(crate) fn sheared<S: Simd>(
         &self,
         simd: S,
+        shear: &impl ShearLaw,
         state: [f64x4<S>; 2],
         slip: [f64x4<S>; 2],
         pressure: f64x4<S>,
         dt: f64,
     ) -> ([f64x4<S>; 2], [f64x4<S>; 2]) {
         let all = |x: f64| f64x4::splat(simd, x);
-        let (zero, one, none) = (all(0.0), all(1.0), all(1e-15));
-        let inverse = all(self.inverse_shear_modulus);
-        let size = (state[0] * state[0] + state[1] * state[1]).sqrt();
-        let way = size * inverse;
-        let fraction = self.saturation.at(simd, way);
-        let scale = size.simd_gt(none).select(fraction / size, inverse);
+        let (zero, one) = (all(0.0), all(1.0));
         let speed = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
-        let per_speed = all(dt * self.inverse_shear_modulus);
-        let u = speed * per_speed;
-        // (exp(u) − 1)/u by its series: where the terms left out matter, exp(−u) is as good as none.
-        let series = one + u * (all(0.5) + u * (all(1.0 / 6.0) + u * all(1.0 / 24.0)));
-        let keep = one / (one + u * series);
-        let gain = per_speed * series;
-        let mobilise = |k: usize| (state[k] * scale + slip[k] * gain) * keep;
-        let mobilised = [mobilise(0), mobilise(1)];
-        let level = (mobilised[0] * mobilised[0] + mobilised[1] * mobilised[1]).sqrt();
-        // By differences, so that where nothing slips nothing drifts.
-        let ways = |fraction: f64x4<S>| self.saturation.inverse(simd, fraction);
-        let further = way + ways(level) - ways(fraction);
-        let further = greater(further, zero);
-        let further = further.simd_lt(all(SATURATED)).select(further, all(SATURATED));
-        let per_share = level.simd_gt(none).select(further / level, one) / inverse;
-        let after = [mobilised[0] * per_share, mobilised[1] * per_share];
+        let Mobilised { state, fraction, level } = shear.mobilise(simd, state, slip, speed, dt);
         // The damper takes a share of the strength that is left. It is for slow motion only, so that sliding soil keeps
         // its law, and as weak as makes the explicit step stable.
         let damping = self.shear_damping / (1.0 + dt * self.shear_damping * self.tan_phi * SPIN_UP);
         let fades = all(damping * CALM * CALM) / (speed * speed + all(CALM * CALM));
         let damper = greater(one - level, zero) * fades;
         let strength = all(self.cohesion) + pressure * all(self.tan_phi);
-        let stress = |k: usize| -strength * (mobilised[k] + slip[k] * damper);
-        (after, [stress(0), stress(1)])
+        let stress = |k: usize| -strength * (fraction[k] + slip[k] * damper);
+        (state, [stress(0), stress(1)])
     }
-}
-
-/// The greater of two numbers, lane by lane; on every machine the second where they are equal.
-#[inline(always)]
-fn greater<S: Simd>(a: f64x4<S>, b: f64x4<S>) -> f64x4<S> {
-    a.simd_gt(b).select(a, b)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::shear::with_law;
+    use super::super::sinkage::Bekker;
     use super::*;
     use fearless_simd::{Level, dispatch};
 
     fn sand() -> Soil {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 5.301e6, k_c: 102.0e3, exponent: 0.793 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: 5.301e6, k_c: 102.0e3, exponent: 0.793 }),
             slip_sinkage: SlipSinkage::None,
             cohesion: 1.3e3,
             friction_angle_deg: 31.1,
+            shear: Shear::Janosi,
             shear_modulus: 0.012,
             elastic_stiffness: 4.0e8,
             damping: 0.0,
@@ -241,7 +214,9 @@ mod tests {
                 let (after, stress) = dispatch!(Level::new(), simd => {
                     let lanes = |x: [f64; 2]| x.map(|x| f64x4::splat(simd, x));
                     let pressure = f64x4::splat(simd, pressure);
-                    let (after, stress) = soil.shear(simd, lanes(state), lanes(velocity), pressure, dt);
+                    let (state, slip) = (lanes(state), lanes(velocity));
+                    let (after, stress) =
+                        with_law!(&soil.shear, law => soil.sheared(simd, law, state, slip, pressure, dt));
                     (after.map(|s| s[2]), stress.map(|s| s[2]))
                 });
                 state = after;

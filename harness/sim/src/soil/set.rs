@@ -110,7 +110,7 @@ vb_files::document!(SoilSet);
 
 impl SoilLaw {
     fn check(&self) -> Result<(), Flaw> {
-        self.sinkage.check()?;
+        self.sinkage.check().map_err(|flaw| flaw.within("sinkage"))?;
         self.slip_sinkage.check()?;
         within("cohesion", self.cohesion, 0.0, 1e6)?;
         within("friction_angle_deg", self.friction_angle_deg, 0.0, 60.0)?;

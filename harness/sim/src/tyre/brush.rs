@@ -1,6 +1,8 @@
 //! The brush.
 
-use super::patch::{Patch, Slide, norm};
+use super::TyreForce;
+use super::patch::{Patch, PlaneForce, Slide, Stance, norm};
+use crate::V3;
 use vb_vehicle::tyre::BrushTyre;
 
 /// Forces of a tyre in its contact plane: a brush with relaxation.
@@ -12,13 +14,13 @@ use vb_vehicle::tyre::BrushTyre;
 /// μF_z beyond. At rest the deflection is a spring, so a braked vehicle stays where it is on a slope up to atan μ.
 #[derive(Clone, Debug)]
 pub(crate) struct Brush {
-    pub(crate) stiffness: f64,
+    stiffness: f64,
     friction: f64,
     /// Per unit load and deflection, 1/m.
     bristle: [f64; 2],
     damping: [f64; 2],
     relaxation: [f64; 2],
-    pub(crate) rolling_resistance: f64,
+    rolling_resistance: f64,
 }
 
 impl Brush {
@@ -38,7 +40,7 @@ impl Brush {
 
     /// Advances the deflection; returns the force on the wheel, N.
     #[inline]
-    pub(crate) fn advance(&self, patch: &mut Patch, s: &Slide, dt: f64) -> [f64; 2] {
+    fn drag(&self, patch: &mut Patch, s: &Slide, dt: f64) -> [f64; 2] {
         let load = s.load;
         let limit = s.friction.min(self.friction) * load;
         let mut rate = [0.0; 2];
@@ -65,16 +67,31 @@ impl Brush {
         let clip = (norm(f) / limit).max(1.0);
         [f[0] / clip, f[1] / clip]
     }
+}
 
-    /// The force at a steady slip, N.
-    pub(crate) fn steady(&self, s: &Slide) -> [f64; 2] {
+impl TyreForce for Brush {
+    const ROLLING_SHARE: f64 = 1.0 / 3.0;
+
+    #[inline]
+    fn vertical(&self, deflection: f64) -> f64 {
+        self.stiffness * deflection
+    }
+
+    #[inline]
+    fn advance(&self, patch: &mut Patch, s: &Slide, on: &Stance, dt: f64) -> PlaneForce {
+        let sign = (on.spin * on.lever / 0.1).clamp(-1.0, 1.0);
+        let resistance = self.rolling_resistance * s.load * on.lever * sign;
+        PlaneForce { force: self.drag(patch, s, dt), twist: V3::zeros(), resistance }
+    }
+
+    fn steady(&self, s: &Slide) -> ([f64; 2], f64) {
         let rolling = s.rolling_or_still();
         let e: [f64; 2] =
             std::array::from_fn(|k| self.bristle[k] * self.relaxation[k] * s.load * s.sliding[k] / rolling);
         let limit = s.friction.min(self.friction) * s.load;
         let x = norm(e) / limit;
         let factor = if x < 3.0 { -secant(x) } else { -1.0 / x };
-        [e[0] * factor, e[1] * factor]
+        ([e[0] * factor, e[1] * factor], 0.0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Fiala's tyre.
 
-use super::patch::{Carcass, Creep, Patch, Slide, stick};
+use super::TyreForce;
+use super::patch::{Carcass, Creep, Patch, PlaneForce, SETTLED, Slide, Stance, stick};
 use vb_vehicle::tyre::FialaTyre;
 
 /// Hub speed below which friction no longer falls with slip, m/s: a slip over no speed says nothing, and at rest the
@@ -20,7 +21,7 @@ pub(crate) struct Fiala {
     c_alpha: f64,
     mu: [f64; 2],
     mu_0: f64,
-    pub(crate) carcass: Carcass,
+    carcass: Carcass,
     rolling_resistance: f64,
 }
 
@@ -38,14 +39,6 @@ impl Fiala {
         }
     }
 
-    /// Piecewise linear, beyond the last point with the last slope.
-    pub(crate) fn vertical(&self, depth: f64) -> f64 {
-        let last = self.map.len() - 1;
-        let k = self.map[1..last].iter().take_while(|p| p[0] < depth).count();
-        let ([d0, f0], [d1, f1]) = (self.map[k], self.map[k + 1]);
-        f0 + (depth - d0) / (d1 - d0) * (f1 - f0)
-    }
-
     /// U F_z: what friction bears at this slip.
     fn bearable(&self, s: &Slide) -> f64 {
         let slip = (s.speed() / s.forward.max(LOW_SPEED)).min(1.0);
@@ -53,7 +46,7 @@ impl Fiala {
         (most - (most - least) * slip) * s.friction / self.mu_0 * s.load
     }
 
-    pub(crate) fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
+    fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
         let limit = self.bearable(s);
         let speed = s.forward_or_still();
         let [vx, vy] = s.sliding.map(f64::abs);
@@ -84,15 +77,9 @@ impl Fiala {
         Creep { compliance, limit: [limit; 2] }
     }
 
-    pub(crate) fn advance(&self, patch: &mut Patch, s: &Slide, dt: f64) -> ([f64; 2], f64) {
-        let creep = self.creep(s, self.carcass.elastic(patch));
-        let force = self.carcass.advance(patch, s.sliding, &creep, dt);
-        (force, self.aligning(s, force[1], creep.limit[0]))
-    }
-
     /// Moment of rolling resistance against the spin, N m: with a sine step over the speed, as in Chrono's
     /// ChFialaTire.cpp.
-    pub(crate) fn rolling_moment(&self, load: f64, forward: f64, spin: f64) -> f64 {
+    fn rolling_moment(&self, load: f64, forward: f64, spin: f64) -> f64 {
         let t = ((forward - 0.125) / 0.375).clamp(0.0, 1.0);
         let turn = 2.0 * std::f64::consts::PI;
         let step = if t < 1.0 { t - vb_math::sin(turn * t) / turn } else { 1.0 };
@@ -101,10 +88,36 @@ impl Fiala {
 
     /// M_z = U F_z w (1 − H) H³ with U F_z = |F_y|/(1 − H³), so that it follows the lateral force that acts. It fades
     /// at low speed, where no slip shifts the force within the contact.
-    pub(crate) fn aligning(&self, s: &Slide, lateral: f64, limit: f64) -> f64 {
+    fn aligning(&self, s: &Slide, lateral: f64, limit: f64) -> f64 {
         let t = self.c_alpha * s.sliding[1].abs() / (limit * s.forward.max(LOW_SPEED));
         let h = (1.0 - t / 3.0).max(0.0);
         let trail = self.width * h * h * h / (1.0 + h + h * h);
         -lateral * trail * (s.forward / LOW_SPEED).min(1.0)
+    }
+}
+
+impl TyreForce for Fiala {
+    const ROLLING_SHARE: f64 = 1.0;
+
+    /// Piecewise linear, beyond the last point with the last slope.
+    fn vertical(&self, depth: f64) -> f64 {
+        let last = self.map.len() - 1;
+        let k = self.map[1..last].iter().take_while(|p| p[0] < depth).count();
+        let ([d0, f0], [d1, f1]) = (self.map[k], self.map[k + 1]);
+        f0 + (depth - d0) / (d1 - d0) * (f1 - f0)
+    }
+
+    #[inline]
+    fn advance(&self, patch: &mut Patch, s: &Slide, on: &Stance, dt: f64) -> PlaneForce {
+        let resistance = self.rolling_moment(s.load, s.forward, on.spin);
+        let creep = self.creep(s, self.carcass.elastic(patch));
+        let force = self.carcass.advance(patch, s.sliding, &creep, dt);
+        PlaneForce { force, twist: on.normal * self.aligning(s, force[1], creep.limit[0]), resistance }
+    }
+
+    fn steady(&self, s: &Slide) -> ([f64; 2], f64) {
+        let creep = self.creep(s, SETTLED);
+        let force = creep.steady(s.sliding);
+        (force, self.aligning(s, force[1], creep.limit[0]))
     }
 }

@@ -7,22 +7,18 @@ mod brush;
 mod envelope;
 mod fiala;
 mod patch;
-#[cfg(test)]
-mod rig;
 mod rigid;
 mod sample;
+#[cfg(test)]
+mod tests;
 mod tmeasy;
 
 use crate::V3;
-use brush::Brush;
 pub(crate) use envelope::Clearance;
 pub use envelope::Envelope;
-use fiala::Fiala;
 pub use patch::Patch;
-use patch::Slide;
-use rigid::Rigid;
+use patch::{PlaneForce, Slide, Stance};
 pub use sample::SteadyForce;
-use tmeasy::Tmeasy;
 use vb_vehicle::TyreSpec;
 
 /// A wheel's contact with a surface.
@@ -72,25 +68,80 @@ pub struct Tyre {
     rolling_share: f64,
 }
 
-#[derive(Clone, Debug)]
-enum Model {
-    Rigid(Rigid),
-    Brush(Brush),
-    Fiala(Fiala),
-    Tmeasy(Box<Tmeasy>),
+/// The forces of one tyre model.
+trait TyreForce {
+    /// Fraction of the deflection by which a wheel rolls on less than its free radius: none for a hard one, a third
+    /// by Rill (R_e = (2 R_0 + R_s)/3), all of Fiala's (Adams/Tire).
+    const ROLLING_SHARE: f64;
+
+    /// The radial force of a deflection (m) at rest, N; both are ≥ 0.
+    fn vertical(&self, deflection: f64) -> f64;
+
+    /// Greatest gap at which the tyre still feels the ground, m.
+    fn reach(&self) -> f64 {
+        0.0
+    }
+
+    /// By how much a contact that slides at `speed` (m/s) on ground of a friction is lifted, m. It is asked for where
+    /// `reach` isn't zero.
+    fn lift(&self, speed: f64, friction: f64) -> f64 {
+        let _ = (speed, friction);
+        0.0
+    }
+
+    /// Advances the contact by `dt`.
+    fn advance(&self, patch: &mut Patch, slide: &Slide, on: &Stance, dt: f64) -> PlaneForce;
+
+    /// The force in the contact plane, longitudinal and lateral, N, and the aligning moment, N m, at a steady slip.
+    fn steady(&self, slide: &Slide) -> ([f64; 2], f64);
 }
+
+macro_rules! models {
+    ($($(#[$doc:meta])* $module:ident $variant:ident $data:ident,)*) => {
+        #[derive(Clone, Debug)]
+        enum Model {
+            $($variant($module::$variant),)*
+        }
+
+        impl Model {
+            /// The model of a tyre and its [`TyreForce::ROLLING_SHARE`].
+            fn new(spec: &TyreSpec) -> (Self, f64) {
+                match spec {
+                    $(TyreSpec::$variant(t) => {
+                        (Self::$variant($module::$variant::new(t)), $module::$variant::ROLLING_SHARE)
+                    })*
+                }
+            }
+
+            fn vertical(&self, deflection: f64) -> f64 {
+                match self { $(Self::$variant(m) => m.vertical(deflection),)* }
+            }
+
+            fn reach(&self) -> f64 {
+                match self { $(Self::$variant(m) => m.reach(),)* }
+            }
+
+            fn lift(&self, speed: f64, friction: f64) -> f64 {
+                match self { $(Self::$variant(m) => m.lift(speed, friction),)* }
+            }
+
+            #[inline]
+            fn advance(&self, patch: &mut Patch, slide: &Slide, on: &Stance, dt: f64) -> PlaneForce {
+                match self { $(Self::$variant(m) => m.advance(patch, slide, on, dt),)* }
+            }
+
+            fn steady(&self, slide: &Slide) -> ([f64; 2], f64) {
+                match self { $(Self::$variant(m) => m.steady(slide),)* }
+            }
+        }
+    };
+}
+vb_vehicle::tyre_models!(models);
 
 impl Tyre {
     #[must_use]
     pub fn new(spec: &TyreSpec) -> Self {
-        // How much of the deflection a wheel rolls on less than its free radius: none of a hard one's, a third
-        // (Rill: R_e = (2 R_0 + R_s)/3), all of Fiala's (Adams/Tire).
-        let (model, rolling_share) = match spec {
-            TyreSpec::Rigid(t) => (Model::Rigid(Rigid::new(t)), 0.0),
-            TyreSpec::Brush(t) => (Model::Brush(Brush::new(t)), 1.0 / 3.0),
-            TyreSpec::Fiala(t) => (Model::Fiala(Fiala::new(t)), 1.0),
-            TyreSpec::Tmeasy(t) => (Model::Tmeasy(Box::new(Tmeasy::new(t))), 1.0 / 3.0),
-        };
+        let (model, rolling_share) = Model::new(spec);
         Self {
             envelope: Envelope::new(spec.radius(), spec.width()),
             model,
@@ -105,7 +156,7 @@ impl Tyre {
 
     /// Greatest gap at which the tyre still feels the ground, m.
     pub(crate) fn reach(&self) -> f64 {
-        if let Model::Rigid(m) = &self.model { m.reach() } else { 0.0 }
+        self.model.reach()
     }
 
     /// Damping along the contact's normal, N s/m, which the equations of motion take in implicitly.
@@ -116,12 +167,7 @@ impl Tyre {
     /// The radial force of a deflection (m) at rest, N; both are ≥ 0.
     #[must_use]
     pub fn vertical_force(&self, deflection: f64) -> f64 {
-        match &self.model {
-            Model::Rigid(m) => m.stiffness * deflection,
-            Model::Brush(m) => m.stiffness * deflection,
-            Model::Fiala(m) => m.vertical(deflection),
-            Model::Tmeasy(m) => m.vertical(deflection),
-        }
+        self.model.vertical(deflection)
     }
 
     /// Advances a contact by `dt` and returns its reaction on the wheel, if it presses at all.
@@ -140,11 +186,9 @@ impl Tyre {
         // Ice without any friction would divide by zero.
         let friction = friction.max(1e-6);
         let mut depth = contact.depth;
-        if let Model::Rigid(m) = &self.model
-            && m.reach() > 0.0
-        {
+        if self.model.reach() > 0.0 {
             let velocity = motion.velocity + motion.rotation.cross(&(contact.point - motion.hub));
-            depth += m.lift((velocity - n * velocity.dot(&n)).norm(), friction);
+            depth += self.model.lift((velocity - n * velocity.dot(&n)).norm(), friction);
         }
         let elastic = self.vertical_force(depth.max(0.0));
         // The damper does no more than the spring, so that contacts begin and end without a jump.
@@ -174,38 +218,17 @@ impl Tyre {
             depth: contact.depth,
             friction,
         };
-        let mut resistance = 0.0;
-        let mut twist = V3::zeros();
-        let plane = match &self.model {
-            Model::Rigid(m) => m.advance(patch, &slide, dt),
-            Model::Brush(m) => {
-                let sign = (motion.spin * lever / 0.1).clamp(-1.0, 1.0);
-                resistance = m.rolling_resistance * load * lever * sign;
-                m.advance(patch, &slide, dt)
-            }
-            Model::Fiala(m) => {
-                resistance = m.rolling_moment(load, slide.forward, motion.spin);
-                let (force, aligning) = m.advance(patch, &slide, dt);
-                twist = n * aligning;
-                force
-            }
-            Model::Tmeasy(m) => {
-                resistance = m.rolling_moment(load, motion.spin);
-                let (force, aligning) = m.advance(patch, &slide, dt);
-                let overturning = m.extra_overturning(contact.depth) * motion.axis.dot(&n);
-                twist = n * aligning - along * overturning;
-                force
-            }
-        };
-        let tangential = along * plane[0] + across * plane[1];
+        let on = Stance { normal: n, along, axis: motion.axis, spin: motion.spin, lever };
+        let plane = self.model.advance(patch, &slide, &on, dt);
+        let tangential = along * plane.force[0] + across * plane.force[1];
         let force = tangential + n * load;
-        let moment = arm.cross(&force) + twist;
+        let moment = arm.cross(&force) + plane.twist;
         Some(Reaction {
             load,
             force,
             moment: moment - motion.axis * motion.axis.dot(&moment),
             // The pressure acts through the axle; only friction and rolling resistance turn the wheel.
-            spin_moment: motion.axis.dot(&rolling_arm.cross(&tangential)) - resistance,
+            spin_moment: motion.axis.dot(&rolling_arm.cross(&tangential)) - plane.resistance,
         })
     }
 }

@@ -1,5 +1,7 @@
 //! The contact patch between slip and force.
 
+use crate::V3;
+
 /// Speed that keeps slips finite on a wheel that neither slides nor turns, m/s: far below what is ever seen.
 const STILL: f64 = 1e-9;
 
@@ -40,6 +42,35 @@ impl Slide {
         self.forward + STILL
     }
 }
+
+/// The frame of a contact in world axes, and how the wheel turns in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stance {
+    /// Unit normal of the ground.
+    pub(crate) normal: V3,
+    /// Unit direction of rolling, in the contact plane.
+    pub(crate) along: V3,
+    /// Unit axle, to the left.
+    pub(crate) axis: V3,
+    /// Spin, rad/s, positive rolling forward.
+    pub(crate) spin: f64,
+    /// Distance of the contact from the hub, m.
+    pub(crate) lever: f64,
+}
+
+/// What a model gives beside the radial force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneForce {
+    /// On the wheel in the contact plane, along and across, N.
+    pub(crate) force: [f64; 2],
+    /// Aligning and overturning moment on the wheel, world axes, N m.
+    pub(crate) twist: V3,
+    /// Moment of rolling resistance against the spin, N m.
+    pub(crate) resistance: f64,
+}
+
+/// Elastic force, over its limit, of a carcass that has settled: it yields to all of the slip curve.
+pub(crate) const SETTLED: [f64; 2] = [f64::INFINITY; 2];
 
 /// What a model's slip curve says at one instant.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,16 @@
 //! The hard cylinder.
 
-use super::patch::{Carcass, Creep, Patch, Slide, norm, stick};
+use super::TyreForce;
+use super::patch::{Carcass, Creep, Patch, PlaneForce, SETTLED, Slide, Stance, norm, stick};
+use crate::V3;
 use vb_vehicle::tyre::{Dilation, RigidTyre};
 
 /// Coulomb friction of a hard cylinder: the bristle's force, up to the friction circle.
 #[derive(Clone, Debug)]
 pub(crate) struct Rigid {
-    pub(crate) stiffness: f64,
+    stiffness: f64,
     friction: f64,
-    pub(crate) bristle: Carcass,
+    bristle: Carcass,
     /// Force over slip of a rolling wheel, N.
     slip_stiffness: f64,
     dilation: Option<Dilation>,
@@ -25,25 +27,38 @@ impl Rigid {
         }
     }
 
-    /// Greatest gap at which the wheel still feels the ground, m.
-    pub(crate) fn reach(&self) -> f64 {
-        self.dilation.map_or(0.0, |d| d.reach)
-    }
-
-    /// By how much a contact that slides at `speed` (m/s) on ground of a friction is lifted, m.
-    pub(crate) fn lift(&self, speed: f64, friction: f64) -> f64 {
-        self.dilation.map_or(0.0, |d| d.step * friction.min(self.friction) * speed)
-    }
-
-    pub(crate) fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
+    fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
         let limit = s.friction.min(self.friction) * s.load;
         let start = s.rolling_or_still() / self.slip_stiffness;
         let q = stick(start.max(s.speed() / limit), start, norm(elastic) / limit);
         Creep { compliance: [q; 2], limit: [limit; 2] }
     }
+}
 
-    pub(crate) fn advance(&self, patch: &mut Patch, s: &Slide, dt: f64) -> [f64; 2] {
+impl TyreForce for Rigid {
+    const ROLLING_SHARE: f64 = 0.0;
+
+    #[inline]
+    fn vertical(&self, deflection: f64) -> f64 {
+        self.stiffness * deflection
+    }
+
+    fn reach(&self) -> f64 {
+        self.dilation.map_or(0.0, |d| d.reach)
+    }
+
+    fn lift(&self, speed: f64, friction: f64) -> f64 {
+        self.dilation.map_or(0.0, |d| d.step * friction.min(self.friction) * speed)
+    }
+
+    #[inline]
+    fn advance(&self, patch: &mut Patch, s: &Slide, _: &Stance, dt: f64) -> PlaneForce {
         let creep = self.creep(s, self.bristle.elastic(patch));
-        self.bristle.advance(patch, s.sliding, &creep, dt)
+        let force = self.bristle.advance(patch, s.sliding, &creep, dt);
+        PlaneForce { force, twist: V3::zeros(), resistance: 0.0 }
+    }
+
+    fn steady(&self, s: &Slide) -> ([f64; 2], f64) {
+        (self.creep(s, SETTLED).steady(s.sliding), 0.0)
     }
 }

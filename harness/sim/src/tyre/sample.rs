@@ -1,7 +1,7 @@
 //! The steady characteristics of a tyre, for plots and checks.
 
+use super::Tyre;
 use super::patch::Slide;
-use super::{Model, Tyre};
 use vb_math::tan;
 
 /// The force and the moment of a tyre that rolls steadily, in ISO axes of the contact: x forward, y left, z up.
@@ -48,21 +48,7 @@ impl Tyre {
             depth: self.deflection(load),
             friction,
         };
-        // A carcass that has settled yields to all of the curve, up to its limit.
-        let settled = [f64::INFINITY; 2];
-        let (force, aligning) = match &self.model {
-            Model::Rigid(m) => (m.creep(&s, settled).steady(sliding), 0.0),
-            Model::Brush(m) => (m.steady(&s), 0.0),
-            Model::Fiala(m) => {
-                let creep = m.creep(&s, settled);
-                let force = creep.steady(sliding);
-                (force, m.aligning(&s, force[1], creep.limit[0]))
-            }
-            Model::Tmeasy(m) => {
-                let force = m.creep(&s, settled).steady(sliding);
-                (force, m.aligning(&s, force[1]))
-            }
-        };
+        let (force, aligning) = self.model.steady(&s);
         SteadyForce { longitudinal: force[0], lateral: force[1], aligning }
     }
 

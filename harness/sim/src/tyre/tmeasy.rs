@@ -1,6 +1,7 @@
 //! Rill's TMeasy.
 
-use super::patch::{Carcass, Creep, Patch, Slide, norm, stick};
+use super::TyreForce;
+use super::patch::{Carcass, Creep, Patch, PlaneForce, SETTLED, Slide, Stance, norm, stick};
 use vb_vehicle::tyre::TmeasyTyre;
 
 /// Rolling speed below which friction no longer falls with slip, m/s: a tyre at rest sticks with its greatest force, and
@@ -16,20 +17,20 @@ const RIM_FLANGE: f64 = 0.01;
 /// TMeasy's characteristics (Chrono's ChTMeasyTire.cpp; Rill, Road Vehicle Dynamics, 2012, ch. 3).
 #[derive(Clone, Debug)]
 pub(crate) struct Tmeasy {
-    t: TmeasyTyre,
+    t: Box<TmeasyTyre>,
     /// Loads over `pn` up to which forces grow: a parabola's summit, where it has one, or `pn_max`.
     summit: [f64; 6],
-    pub(crate) carcass: Carcass,
+    carcass: Carcass,
 }
 
 /// A direction's characteristic at a load: initial slope, greatest force, sliding force and their slips.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Characteristic {
-    pub(crate) slope: f64,
-    pub(crate) peak: f64,
-    pub(crate) slide: f64,
-    pub(crate) peak_slip: f64,
-    pub(crate) slide_slip: f64,
+struct Characteristic {
+    slope: f64,
+    peak: f64,
+    slide: f64,
+    peak_slip: f64,
+    slide_slip: f64,
 }
 
 /// A quantity that grows linearly with load from its values at pn and 2 pn.
@@ -50,17 +51,11 @@ impl Tmeasy {
             if curvature > 0.0 { most.min((w[0] - 0.25 * w[1]) / curvature) } else { most }
         });
         let carcass = Carcass { stiffness: t.carcass_stiffness, damping: t.carcass_damping };
-        Self { t: t.clone(), summit, carcass }
-    }
-
-    pub(crate) fn vertical(&self, depth: f64) -> f64 {
-        let t = &self.t;
-        let rim = depth - (t.radius - t.rim_radius - RIM_FLANGE);
-        t.vertical_stiffness * (depth + RIM * rim.max(0.0)) + t.vertical_stiffness_growth * depth * depth
+        Self { t: Box::new(t.clone()), summit, carcass }
     }
 
     /// The longitudinal and the lateral characteristic at a load, N, on the ground for which the tables hold.
-    pub(crate) fn characteristics(&self, load: f64) -> [Characteristic; 2] {
+    fn characteristics(&self, load: f64) -> [Characteristic; 2] {
         let t = &self.t;
         let q = (load / t.pn).min(t.pn_max / t.pn);
         let force = |w: [f64; 2], k: usize| parabola(w, q.min(self.summit[k]));
@@ -82,7 +77,7 @@ impl Tmeasy {
         ]
     }
 
-    pub(crate) fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
+    fn creep(&self, s: &Slide, elastic: [f64; 2]) -> Creep {
         let m = s.friction / self.t.mu_0;
         let [x, y] = self.characteristics(s.load);
         let v = s.speed();
@@ -129,7 +124,7 @@ impl Tmeasy {
         ratio * 2.0 * (t.radius * s.depth).sqrt()
     }
 
-    pub(crate) fn aligning(&self, s: &Slide, lateral: f64) -> f64 {
+    fn aligning(&self, s: &Slide, lateral: f64) -> f64 {
         let [from, to] = ALIGNING_SPEED;
         let r = ((s.rolling - from) / (to - from)).clamp(0.0, 1.0);
         if r == 0.0 {
@@ -138,21 +133,40 @@ impl Tmeasy {
         -lateral * self.trail(s, (s.sliding[1] / s.rolling).abs()) * r * r * (3.0 - 2.0 * r)
     }
 
-    pub(crate) fn advance(&self, patch: &mut Patch, s: &Slide, dt: f64) -> ([f64; 2], f64) {
-        let creep = self.creep(s, self.carcass.elastic(patch));
-        let force = self.carcass.advance(patch, s.sliding, &creep, dt);
-        (force, self.aligning(s, force[1]))
-    }
-
     /// Moment of rolling resistance against the spin, N m.
-    pub(crate) fn rolling_moment(&self, load: f64, spin: f64) -> f64 {
+    fn rolling_moment(&self, load: f64, spin: f64) -> f64 {
         self.t.rolling_resistance * load * self.t.radius * vb_math::tanh(spin)
     }
 
     /// What the overturning torque w²/12 (d1 + 2 d2 d) has beyond w²/12 F_z/d, which the contact's offset gives, N m
     /// per radian of inclination.
-    pub(crate) fn extra_overturning(&self, depth: f64) -> f64 {
+    fn extra_overturning(&self, depth: f64) -> f64 {
         self.t.width * self.t.width / 12.0 * self.t.vertical_stiffness_growth * depth
+    }
+}
+
+impl TyreForce for Tmeasy {
+    const ROLLING_SHARE: f64 = 1.0 / 3.0;
+
+    fn vertical(&self, depth: f64) -> f64 {
+        let t = &self.t;
+        let rim = depth - (t.radius - t.rim_radius - RIM_FLANGE);
+        t.vertical_stiffness * (depth + RIM * rim.max(0.0)) + t.vertical_stiffness_growth * depth * depth
+    }
+
+    #[inline]
+    fn advance(&self, patch: &mut Patch, s: &Slide, on: &Stance, dt: f64) -> PlaneForce {
+        let resistance = self.rolling_moment(s.load, on.spin);
+        let creep = self.creep(s, self.carcass.elastic(patch));
+        let force = self.carcass.advance(patch, s.sliding, &creep, dt);
+        let aligning = self.aligning(s, force[1]);
+        let overturning = self.extra_overturning(s.depth) * on.axis.dot(&on.normal);
+        PlaneForce { force, twist: on.normal * aligning - on.along * overturning, resistance }
+    }
+
+    fn steady(&self, s: &Slide) -> ([f64; 2], f64) {
+        let force = self.creep(s, SETTLED).steady(s.sliding);
+        (force, self.aligning(s, force[1]))
     }
 }
 

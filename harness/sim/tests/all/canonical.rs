@@ -46,7 +46,7 @@ fn at_rest_nothing_moves() {
     sim.advance(controls(0.0, 0.0, 1.0), 10_000).unwrap();
     let b = sim.state();
     assert!((a.position - b.position).norm() < 1e-6, "{}", (a.position - b.position).norm());
-    assert!(b.velocity.norm() < 1e-7 && b.angular_velocity.norm() < 1e-7);
+    assert!(b.velocity_body.norm() < 1e-7 && b.angular_velocity_body.norm() < 1e-7);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn behind_a_converter_it_creeps_until_the_brakes_hold_it() {
     sim.advance(controls(0.0, 0.0, 1.0), 5000).unwrap();
     assert!((sim.state().position - a).norm() < 1e-6, "{}", sim.state().position - a);
     sim.advance(controls(0.0, 0.0, 0.0), 3000).unwrap();
-    let v = sim.state().velocity.x;
+    let v = sim.state().velocity_body.x;
     // At most what idle speed makes through the gears: 80 · 0.1708 · 0.2 · 0.467 = 1.28 m/s.
     assert!(v > 0.5 && v < 1.28, "{v} m/s");
 }
@@ -148,14 +148,14 @@ fn full_brakes_stop_it_within_the_distance_that_friction_allows() {
     // Theory: v²/(2 μ g) with all wheels locked; Chrono: 12.46 m (μ 0.9), 21.57 m (μ 0.5) from 15 m/s.
     for (mu, chrono) in [(0.9, 12.461), (0.5, 21.572)] {
         let mut sim = start(&flat(mu), -100.0, 0.0, 0.0);
-        while sim.state().velocity.x < 15.0 {
+        while sim.state().velocity_body.x < 15.0 {
             let c = hold_speed(&sim, 15.3, 0.0);
             sim.advance(c, 1).unwrap();
         }
-        let v = sim.state().velocity.x;
+        let v = sim.state().velocity_body.x;
         let from = sim.state().position;
         let mut steps = 0;
-        while sim.state().velocity.x > 0.01 {
+        while sim.state().velocity_body.x > 0.01 {
             sim.advance(controls(0.0, 0.0, 1.0), 1).unwrap();
             steps += 1;
             assert!(steps < 10_000);
@@ -182,7 +182,7 @@ fn times_to(vehicle: &VehicleSpec, throttle: f64, mu: f64, speeds: &[f64]) -> Ve
     )
     .expect("it settles");
     let reach = |&speed: &f64| {
-        while sim.state().velocity.x < speed {
+        while sim.state().velocity_body.x < speed {
             let s = sim.state();
             let (_, _, yaw) = s.roll_pitch_yaw();
             let steer = (-0.1 * s.position.y - yaw).clamp(-1.0, 1.0);
@@ -257,7 +257,7 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
             SimOptions::default(),
         )
         .expect("it settles");
-        while sim.state().velocity.x < from {
+        while sim.state().velocity_body.x < from {
             sim.advance(controls(0.0, 0.3, 0.0), 1).unwrap();
         }
         let mut shifts = Vec::new();
@@ -265,7 +265,7 @@ fn with_the_resistance_of_the_reference_runs_it_coasts_and_shifts_down_like_them
         let mut speeds = Vec::new();
         for k in 0..10_000 {
             sim.advance(controls(0.0, 0.0, 0.0), 1).unwrap();
-            let v = sim.state().velocity.x;
+            let v = sim.state().velocity_body.x;
             if sim.drive().gear != gear {
                 gear = sim.drive().gear;
                 shifts.push((gear, v));
@@ -295,9 +295,9 @@ fn it_turns_on_the_radius_of_the_reference_run() {
             sim.advance(c, 10).unwrap();
         }
         let s = sim.state();
-        let speed = vb_math::hypot(s.velocity.x, s.velocity.y);
-        let radius = (speed / s.angular_velocity.z).abs();
-        assert!(s.angular_velocity.z * steer > 0.0, "positive steering turns left");
+        let speed = vb_math::hypot(s.velocity_body.x, s.velocity_body.y);
+        let radius = (speed / s.angular_velocity_body.z).abs();
+        assert!(s.angular_velocity_body.z * steer > 0.0, "positive steering turns left");
         assert!(
             radius > 0.90 * chrono && radius < 1.10 * chrono,
             "steering {steer}: {radius} m, Chrono {chrono}"
@@ -331,22 +331,22 @@ fn it_climbs_what_friction_allows_and_no_more() {
 fn coasting_loses_what_rolling_resistance_and_engine_drag_take() {
     // Rolling resistance 0.015 g = 0.147 m/s²; the closed throttle's drag adds to it, nothing gives.
     let mut sim = start(&flat(0.9), -100.0, 0.0, 0.0);
-    while sim.state().velocity.x < 8.0 {
+    while sim.state().velocity_body.x < 8.0 {
         sim.advance(controls(0.0, 1.0, 0.0), 1).unwrap();
     }
     sim.advance(controls(0.0, 0.0, 0.0), 200).unwrap();
-    let a = sim.state().velocity.x;
+    let a = sim.state().velocity_body.x;
     sim.advance(controls(0.0, 0.0, 0.0), 2000).unwrap();
-    let b = sim.state().velocity.x;
+    let b = sim.state().velocity_body.x;
     let rate = (a - b) / 2.0;
     assert!(rate > 0.147 && rate < 1.5, "{rate} m/s²");
     for _ in 0..60 {
         sim.advance(controls(0.0, 0.0, 0.0), 1000).unwrap();
     }
     assert!(
-        sim.state().velocity.x.abs() < 0.02,
+        sim.state().velocity_body.x.abs() < 0.02,
         "it comes to rest and stays there: {}",
-        sim.state().velocity.x
+        sim.state().velocity_body.x
     );
 }
 
@@ -374,7 +374,7 @@ fn the_governor_holds_the_published_top_speed() {
             let steer = (-0.1 * s.position.y - yaw).clamp(-1.0, 1.0);
             sim.advance(controls(steer, 1.0, 0.0), 10).unwrap();
         }
-        sim.state().velocity.x
+        sim.state().velocity_body.x
     };
     let (governed, free) = (top(true), top(false));
     assert!((30.5..=31.3).contains(&governed), "{governed} m/s");

@@ -77,7 +77,7 @@ fn a_vehicle_on_solid_axles_drives_over_rough_ground_and_around_a_bend() {
     let state = sim.state();
     let (roll, pitch, yaw) = state.roll_pitch_yaw();
     assert!(roll.abs() < 0.4 && pitch.abs() < 0.4, "on its wheels: {roll} {pitch}");
-    assert!(state.velocity.x > 3.0, "it drives: {}", state.velocity.x);
+    assert!(state.velocity_body.x > 3.0, "it drives: {}", state.velocity_body.x);
     assert!(yaw.abs() > 0.3, "it turns: {yaw}");
     // Command positive: to the left, as long as it hasn't come round.
     assert!(state.position.y > 1.0, "to the left: {}", state.position);

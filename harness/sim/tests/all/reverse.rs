@@ -41,7 +41,7 @@ fn ask(gear: Gear, throttle: f64, brake: f64) -> Controls {
 
 /// Holds a speed backwards, m/s ≥ 0.
 fn back_at(sim: &Simulation, speed: f64, steering: f64) -> Controls {
-    let e = speed + sim.state().velocity.x;
+    let e = speed + sim.state().velocity_body.x;
     Controls { steering, ..ask(Gear::Reverse, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0)) }
 }
 
@@ -80,7 +80,7 @@ fn it_backs_up_a_slope_of_20_degrees_and_its_energy_comes_from_the_engine() {
         let from = sim.state().position;
         back_for(&mut sim, 10.0, 2.0, 0.0);
         let s = sim.state();
-        assert!(s.position.x - from.x > 10.0 && s.velocity.x < -1.0, "{name}: {s:?}");
+        assert!(s.position.x - from.x > 10.0 && s.velocity_body.x < -1.0, "{name}: {s:?}");
         let lift = weight * (s.position.z - from.z);
         assert!(
             sim.diagnostics().energy_surplus < 0.01 * lift,
@@ -96,10 +96,10 @@ fn backwards_it_drives_at_the_speed_of_the_engine_through_the_reverse_ratio_on_t
     for speed in [1.0, 2.0, 4.0] {
         back_for(&mut sim, 10.0, speed, 0.0);
         let s = sim.state();
-        assert!(s.velocity.x < -0.7 * speed, "{s:?}");
+        assert!(s.velocity_body.x < -0.7 * speed, "{s:?}");
         // The rolling radius lies between the loaded one, 6116 N / 411 kN/m = 15 mm below, and the free one.
-        let radius = -s.velocity.x / (s.engine_speed * REVERSE);
-        assert!((0.452..0.4675).contains(&radius), "{radius} m at {} m/s", s.velocity.x);
+        let radius = -s.velocity_body.x / (s.engine_speed * REVERSE);
+        assert!((0.452..0.4675).contains(&radius), "{radius} m at {} m/s", s.velocity_body.x);
     }
 }
 
@@ -107,21 +107,21 @@ fn backwards_it_drives_at_the_speed_of_the_engine_through_the_reverse_ratio_on_t
 fn a_command_for_reverse_at_5_m_per_s_waits_for_the_brake_and_then_takes_its_latency() {
     let mut sim = start(&flat(0.9), reference_hmmwv(), 0.0);
     // At so little throttle no wheel spins.
-    while sim.state().velocity.x < 5.0 {
+    while sim.state().velocity_body.x < 5.0 {
         sim.advance(ask(Gear::Forward, 0.1, 0.0), 10).expect("it goes on");
     }
     // Throttle and no brake: it rolls on, slower and slower.
-    let mut last = sim.state().velocity.x;
+    let mut last = sim.state().velocity_body.x;
     for _ in 0..200 {
         sim.advance(ask(Gear::Reverse, 1.0, 0.0), 10).expect("it goes on");
         let s = sim.state();
         // The tyres' carcass gives back what the last push has strained.
-        assert!(s.gear == Gear::Forward && s.velocity.x < last + 0.01, "{s:?}");
-        last = s.velocity.x;
+        assert!(s.gear == Gear::Forward && s.velocity_body.x < last + 0.01, "{s:?}");
+        last = s.velocity_body.x;
     }
     assert!(last > 1.0);
     while sim.state().gear == Gear::Forward {
-        last = sim.state().velocity.x;
+        last = sim.state().velocity_body.x;
         sim.advance(ask(Gear::Reverse, 1.0, 0.5), 1).expect("it goes on");
     }
     // vehicles/hmmwv-released.yaml: below 0.5 m/s, 0.6 s.
@@ -134,7 +134,7 @@ fn a_command_for_reverse_at_5_m_per_s_waits_for_the_brake_and_then_takes_its_lat
     assert!((sim.time() - begin - 0.6).abs() < 1.5e-3, "{} s", sim.time() - begin);
     assert!(sim.state().gear == Gear::Reverse && sim.drive().shaft_torque < 0.0);
     sim.advance(ask(Gear::Reverse, 1.0, 0.0), 1000).expect("it goes on");
-    assert!(sim.state().velocity.x < -1.0);
+    assert!(sim.state().velocity_body.x < -1.0);
 }
 
 #[test]
@@ -145,16 +145,16 @@ fn in_neutral_it_coasts_against_rolling_resistance_alone() {
         let mut sim = start(&flat(0.9), spec, 0.0);
         let gear = if back { Gear::Reverse } else { Gear::Forward };
         // In reverse its engine ends at 4.6 m/s.
-        while sim.state().velocity.x.abs() < 4.0 {
+        while sim.state().velocity_body.x.abs() < 4.0 {
             sim.advance(ask(gear, 0.3, 0.0), 10).expect("it goes on");
         }
         sim.advance(ask(Gear::Neutral, 1.0, 0.0), 500).expect("it goes on");
-        let from = sim.state().velocity.x.abs();
+        let from = sim.state().velocity_body.x.abs();
         sim.advance(ask(Gear::Neutral, 1.0, 0.0), 5000).expect("it goes on");
         // 0.015 of the weight on the mass and on what turns, on a radius a third of the deflection below the free one.
         let radius = 0.467 - 0.015 / 3.0;
         let slower = 0.015 * mass * GRAVITY / (mass + TURNING / (radius * radius)) * 5.0;
-        let lost = from - sim.state().velocity.x.abs();
+        let lost = from - sim.state().velocity_body.x.abs();
         assert!((lost / slower - 1.0).abs() < 0.02, "{lost} m/s, theory {slower}, back {back}");
         assert_eq!(sim.state().gear, Gear::Neutral);
     }
@@ -167,17 +167,17 @@ fn with_its_wheels_turned_it_backs_around_the_centre_around_which_it_drives() {
         let mut sim = start(&flat(0.9), reference_hmmwv(), 0.0);
         let mut curvature = [0.0; 2];
         for _ in 0..1000 {
-            let c = Controls { steering, ..ask(Gear::Forward, 1.0 - sim.state().velocity.x, 0.0) };
+            let c = Controls { steering, ..ask(Gear::Forward, 1.0 - sim.state().velocity_body.x, 0.0) };
             let c = Controls { throttle: c.throttle.clamp(0.0, 1.0), ..c };
             sim.advance(c, 10).expect("it goes on");
         }
         let s = sim.state();
-        curvature[0] = s.angular_velocity.z / s.velocity.x;
+        curvature[0] = s.angular_velocity_body.z / s.velocity_body.x;
         sim.advance(Controls { steering, ..ask(Gear::Reverse, 0.0, 1.0) }, 2000).expect("it goes on");
         back_for(&mut sim, 10.0, 1.0, steering);
         let s = sim.state();
-        curvature[1] = s.angular_velocity.z / s.velocity.x;
-        assert!(s.velocity.x < -0.5 && curvature[1] * steering > 0.0, "{s:?}");
+        curvature[1] = s.angular_velocity_body.z / s.velocity_body.x;
+        assert!(s.velocity_body.x < -0.5 && curvature[1] * steering > 0.0, "{s:?}");
         assert!((curvature[1] / curvature[0] - 1.0).abs() < 0.02, "{curvature:?}");
     }
 }
@@ -194,7 +194,7 @@ fn a_tracked_vehicle_backs_straight_and_turns_about_its_inner_track() {
         back_for(&mut sim, 10.0, 3.0, steering);
         let s = sim.state();
         let [inner, outer] = if steering > 0.0 { [2, 3] } else { [3, 2] };
-        assert!(s.angular_velocity.z * steering < -0.05 && s.velocity.x < -0.5, "{s:?}");
+        assert!(s.angular_velocity_body.z * steering < -0.05 && s.velocity_body.x < -0.5, "{s:?}");
         assert!(s.wheels[inner].speed.abs() < s.wheels[outer].speed.abs(), "{s:?}");
     }
 }
@@ -208,7 +208,7 @@ fn rock(sim: &mut Simulation, seconds: f64) -> usize {
         if s.gear != wanted {
             sim.advance(ask(wanted, 1.0, 0.3), 10).expect("it goes on");
             since = sim.time();
-        } else if s.velocity.x.abs() < 3.0 && s.time - since < 2.0 {
+        } else if s.velocity_body.x.abs() < 3.0 && s.time - since < 2.0 {
             sim.advance(ask(wanted, 1.0, 0.0), 10).expect("it goes on");
         } else {
             wanted = if wanted == Gear::Forward { Gear::Reverse } else { Gear::Forward };
@@ -250,12 +250,12 @@ fn to_and_fro_without_brakes_the_engines_work_is_energy_of_motion_and_rolling_re
             sim.advance(ask(gear, throttle, 0.0), 1).expect("it goes on");
             let drive = sim.drive();
             work += drive.shaft_torque * 0.5 * (before + drive.shaft_speed) * 1e-3;
-            way += sim.state().velocity.x.abs() * 1e-3;
+            way += sim.state().velocity_body.x.abs() * 1e-3;
         }
     };
-    go(&mut sim, Gear::Forward, 0.1, &|sim| sim.state().velocity.x > 3.0);
+    go(&mut sim, Gear::Forward, 0.1, &|sim| sim.state().velocity_body.x > 3.0);
     // The engine's drag slows it down until the gearbox changes the direction.
-    go(&mut sim, Gear::Reverse, 0.1, &|sim| sim.state().velocity.x < -3.0);
+    go(&mut sim, Gear::Reverse, 0.1, &|sim| sim.state().velocity_body.x < -3.0);
     // A radius a third of the deflection below the free one.
     let radius = 0.467 - 0.015 / 3.0;
     let moving = 0.5 * (mass + TURNING / (radius * radius)) * 9.0;
@@ -270,7 +270,7 @@ fn a_governor_limits_the_speed_backwards_as_it_does_forwards() {
     spec.powertrain.governor = Some(Governor { speed: 2.0, band: 0.5 });
     let mut sim = start(&flat(0.9), spec, 0.0);
     sim.advance(ask(Gear::Reverse, 1.0, 0.0), 10_000).expect("it goes on");
-    let v = sim.state().velocity.x;
+    let v = sim.state().velocity_body.x;
     assert!(v < -1.5 && v > -2.0, "{v} m/s");
 }
 
@@ -278,7 +278,7 @@ fn a_governor_limits_the_speed_backwards_as_it_does_forwards() {
 fn a_vehicle_that_was_put_into_reverse_is_in_it() {
     let mut sim = start(&flat(0.9), shipped("man5t"), 0.0);
     let state = vb_sim::VehicleState { gear: Gear::Reverse, engine_speed: 150.0, ..sim.state() };
-    sim.put(&state, 1);
+    sim.rig().put(&state, 1);
     assert_eq!(sim.state().gear, Gear::Reverse);
     sim.advance(ask(Gear::Reverse, 1.0, 0.0), 1).expect("it goes on");
     // Within a step the engine changes by some radians per second at most.

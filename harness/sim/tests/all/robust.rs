@@ -92,10 +92,10 @@ fn drive_wildly(rng: &mut Stream, seconds: f64, step: f64) -> (f64, f64) {
         return ((s.position - from).norm(), sim.time());
     }
     assert!(
-        s.velocity.norm() < 60.0 && s.angular_velocity.norm() < 60.0,
+        s.velocity_body.norm() < 60.0 && s.angular_velocity_body.norm() < 60.0,
         "{:?} {:?}",
-        s.velocity,
-        s.angular_velocity
+        s.velocity_body,
+        s.angular_velocity_body
     );
     let ground = world.heightfield.height(s.position.x, s.position.y);
     assert!(s.position.z > ground - 1.5, "its middle is {} m below the ground", ground - s.position.z);
@@ -155,7 +155,7 @@ fn energy_that_comes_slowly_from_nowhere_is_found_too() {
         let start = Pose2 { x: -140.0, y: 0.0, yaw: 0.0 };
         let mut sim = Simulation::new(world, &model(vehicle), &soils(), start, SimOptions::default())
             .expect("it settles");
-        sim.throw([5.0, 0.0, 0.0]);
+        sim.rig().throw([5.0, 0.0, 0.0]);
         let neutral = Controls { gear: vb_sim::Gear::Neutral, ..Controls::default() };
         sim.advance(neutral, 25_000).map(|()| sim.diagnostics().energy_surplus)
     };

@@ -7,13 +7,13 @@ use nalgebra::Vector3;
 fn a_lifted_vehicle_is_level_at_rest_at_its_height_and_falls_freely() {
     let mut sim = start(&flat(0.9), 3.0, -2.0, 0.7);
     let before = sim.state();
-    sim.lift(4.0);
+    sim.rig().lift(4.0);
     let s = sim.state();
     let (roll, pitch, yaw) = s.roll_pitch_yaw();
     assert!(roll.abs() < 1e-12 && pitch.abs() < 1e-12, "{roll} {pitch}");
     assert!((yaw - before.roll_pitch_yaw().2).abs() < 1e-9, "it keeps its heading");
     assert!((s.position.z - 4.0).abs() < 1e-12, "{}", s.position.z);
-    assert!(s.velocity.norm() == 0.0 && s.wheels.iter().all(|w| w.deflection == 0.0 && w.load == 0.0));
+    assert!(s.velocity_body.norm() == 0.0 && s.wheels.iter().all(|w| w.deflection == 0.0 && w.load == 0.0));
     // ½ g t² after 0.5 s: 1.226 m, less what the wheels take up as their springs relax.
     sim.advance(controls(0.0, 0.0, 0.0), 500).unwrap();
     let fallen = 4.0 - sim.state().position.z;
@@ -28,7 +28,7 @@ fn tilted_gravity_acts_as_a_slope_does() {
         let angle = degrees.to_radians();
         for k in 1..=2000 {
             let (s, c) = vb_math::sin_cos(angle * f64::from(k) / 2000.0);
-            sim.set_gravity([0.0, 9.81 * s, -9.81 * c]);
+            sim.rig().set_gravity([0.0, 9.81 * s, -9.81 * c]);
             sim.advance(controls(0.0, 0.0, 1.0), 1).unwrap();
         }
         sim.advance(controls(0.0, 0.0, 1.0), 2000).unwrap();

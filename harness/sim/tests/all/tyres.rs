@@ -323,14 +323,14 @@ fn on_every_tyre_the_edges_of_facets_are_felt_without_a_jump_of_force() {
 fn braked_in_a_turn(name: &str, step: f64) -> (f64, f64, f64) {
     let mut sim = start(name, &flat(0.7), -60.0, 0.0, step);
     let per = (1e-3 / step).round() as u64;
-    while sim.state().velocity.x < 10.0 {
+    while sim.state().velocity_body.x < 10.0 {
         let c = hold_speed(&sim, 10.5, 0.0);
         sim.advance(c, per).expect("finite");
     }
     let from = sim.state().position;
     sim.advance(controls(0.4, 0.0, 0.3), 1200 * per).expect("finite");
     let s = sim.state();
-    ((s.position - from).norm(), s.roll_pitch_yaw().2, s.velocity.norm())
+    ((s.position - from).norm(), s.roll_pitch_yaw().2, s.velocity_body.norm())
 }
 
 #[test]

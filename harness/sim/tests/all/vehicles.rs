@@ -91,7 +91,7 @@ fn every_vehicle_reaches_the_top_speed_that_its_file_says_and_no_more() {
         for _ in 0..900 {
             let yaw = sim.state().roll_pitch_yaw().2;
             advance(&mut sim, &name, crate::common::controls((-yaw).clamp(-1.0, 1.0), 1.0, 0.0), 0.1, 1e-3);
-            fastest = fastest.max(sim.state().velocity.x);
+            fastest = fastest.max(sim.state().velocity_body.x);
         }
         let fraction = fastest / spec.max_speed;
         assert!((0.95..=1.01).contains(&fraction), "{name}: {fastest} m/s, {} in its file", spec.max_speed);
@@ -107,11 +107,11 @@ fn every_vehicle_turns_to_the_side_that_it_is_told_to_and_both_ways_alike() {
             let mut sim = start(&flat(&model, 0.9), &model, 1e-3);
             let speed = 3.0 * spec.scale.sqrt();
             for _ in 0..80 {
-                let e = (speed - sim.state().velocity.x) / spec.scale.sqrt();
+                let e = (speed - sim.state().velocity_body.x) / spec.scale.sqrt();
                 let controls = crate::common::controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                 advance(&mut sim, &name, controls, 0.1 * spec.scale.sqrt(), 1e-3 * spec.scale.sqrt());
             }
-            sim.state().angular_velocity.z
+            sim.state().angular_velocity_body.z
         };
         let (left, right) = (turned(0.4), turned(-0.4));
         assert!(left > 0.0 && right < 0.0, "{name}: {left} {right}");
@@ -159,7 +159,7 @@ fn an_overturned_vehicle_comes_to_rest_on_its_roof_and_is_not_thrown_off_its_sid
         let (spec, name) = (model.spec(), model.spec().name.clone());
         for roll in [1.5, 3.0] {
             let mut sim = start(&flat(&model, 0.6), &model, 1e-3);
-            sim.overturn(roll, spec.width);
+            sim.rig().overturn(roll, spec.width);
             let mut highest = 0.0_f64;
             for _ in 0..150 {
                 advance(&mut sim, &name, crate::common::controls(0.0, 0.0, 1.0), 0.1, 1e-3);
@@ -167,7 +167,11 @@ fn an_overturned_vehicle_comes_to_rest_on_its_roof_and_is_not_thrown_off_its_sid
             }
             let s = sim.state();
             if roll > 2.0 {
-                assert!(s.velocity.norm() < 0.03 * spec.scale.sqrt(), "{name}: {}", s.velocity.norm());
+                assert!(
+                    s.velocity_body.norm() < 0.03 * spec.scale.sqrt(),
+                    "{name}: {}",
+                    s.velocity_body.norm()
+                );
             }
             assert!(
                 s.position.z > 0.0 && highest < spec.height + 0.5 * spec.width,
@@ -185,7 +189,7 @@ fn a_rugged_drive_of_every_vehicle_ends_at_the_same_place_at_a_quarter_of_the_st
         let drive = |step: f64| {
             let mut sim = start(&rough(&model, 3, 0.05), &model, step);
             for _ in 0..50 {
-                let e = 3.0 - sim.state().velocity.x / pace;
+                let e = 3.0 - sim.state().velocity_body.x / pace;
                 let controls = crate::common::controls(0.2, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
                 advance(&mut sim, &name, controls, 0.1 * pace, step);
             }
@@ -209,7 +213,7 @@ fn an_axle_may_have_tyres_of_its_own() {
     assert!(own(0) < own(1));
     let mut sim = start(&flat(&model, 0.9), &model, 1e-3);
     for _ in 0..60 {
-        let e = 3.0 - sim.state().velocity.x;
+        let e = 3.0 - sim.state().velocity_body.x;
         advance(
             &mut sim,
             "gator",
@@ -221,7 +225,7 @@ fn an_axle_may_have_tyres_of_its_own() {
     let s = sim.state();
     for (i, w) in s.wheels.iter().enumerate().take(2) {
         // Rolls on a radius between the loaded and the free one: some per cent below the latter.
-        let radius = s.velocity.x / w.speed;
+        let radius = s.velocity_body.x / w.speed;
         assert!(radius < own(i / 2) && radius > 0.93 * own(i / 2), "wheel {i}: {radius}");
     }
     // Another tyre by name is put on both axles, each in its size.

@@ -94,6 +94,6 @@ pub fn controls(steering: f64, throttle: f64, brake: f64) -> Controls {
 /// The original's speed controller: P gain 1 on the speed error, throttle and brake in [0, 1] (`compute_throttle` in
 /// its systems/PID/PID.py).
 pub fn hold_speed(sim: &Simulation, target: f64, steering: f64) -> Controls {
-    let e = target - sim.state().velocity.x;
+    let e = target - sim.state().velocity_body.x;
     controls(steering, e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0))
 }

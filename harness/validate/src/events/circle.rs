@@ -54,7 +54,7 @@ fn steady_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     d.run(
         pace.time(seconds),
         |s| {
-            let curvature = s.angular_velocity.z / s.velocity.x.max(pace.speed(0.5));
+            let curvature = s.angular_velocity_body.z / s.velocity_body.x.max(pace.speed(0.5));
             command += DRIVER * (1.0 - curvature * radius) * step / pace.time(1.0);
             command = command.clamp(-1.0, 1.0);
             let target = FROM + GROWTH * (s.time / pace.time(1.0) - RUN_IN).max(0.0);
@@ -62,7 +62,7 @@ fn steady_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         },
         |s| {
             let front = [0, 1].map(|i| degrees(g.wheel_angle(i, s.wheels[i].deflection, s.steering)));
-            lateral += smoothing * (s.angular_velocity.z * s.velocity.x - lateral);
+            lateral += smoothing * (s.angular_velocity_body.z * s.velocity_body.x - lateral);
             angle += smoothing * (0.5 * (front[0] + front[1]) - angle);
             if s.time > pace.time(RUN_IN) {
                 points.push([lateral, angle]);

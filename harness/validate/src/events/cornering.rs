@@ -37,12 +37,12 @@ struct Means {
 impl Means {
     fn add(&mut self, s: &VehicleState) {
         self.count += 1.0;
-        self.yaw_rate += s.angular_velocity.z;
+        self.yaw_rate += s.angular_velocity_body.z;
         self.speed += speed(s);
         self.roll += degrees(s.roll_pitch_yaw().0);
-        self.lateral += s.angular_velocity.z * s.velocity.x;
-        self.velocity[0] += s.velocity.x;
-        self.velocity[1] += s.velocity.y;
+        self.lateral += s.angular_velocity_body.z * s.velocity_body.x;
+        self.velocity[0] += s.velocity_body.x;
+        self.velocity[1] += s.velocity_body.y;
         self.travels.resize(s.wheels.len(), 0.0);
         self.travels.iter_mut().zip(&s.wheels).for_each(|(sum, w)| *sum += w.deflection);
     }
@@ -178,7 +178,7 @@ fn step_steer(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             5.0,
             |s| bench.pace.hold_speed(s, target, steering),
             |s| {
-                rates.push([s.time - begin, s.angular_velocity.z]);
+                rates.push([s.time - begin, s.angular_velocity_body.z]);
                 if s.time - begin > 3.0 {
                     m.add(s);
                 }

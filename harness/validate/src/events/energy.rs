@@ -22,7 +22,7 @@ fn free_fall(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let mut d = Drive::new(bench, "fall", &flat(0.9), 0.0, 0.0)?;
-    d.sim().lift(bench.pace.length(5.0));
+    d.sim().rig().lift(bench.pace.length(5.0));
     let (begin, from) = (d.state().time, g.com_of(&d.state()));
     let seconds = bench.pace.time(0.8);
     let (mut worst, mut aside, mut points) = (0.0_f64, 0.0_f64, Vec::new());

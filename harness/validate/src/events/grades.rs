@@ -47,7 +47,8 @@ fn climb(bench: &Bench<'_>, driver: Driver, slope: f64, friction: f64) -> Result
             let (time, far) = (bench.pace.time(12.0), bench.pace.length(150.0));
             d.run(time, |s| driver.controls(bench, s), |s| (along(s) - from).abs() >= far)?;
             let s = d.state();
-            along(&s) - from > bench.pace.length(5.0) && (s.attitude * s.velocity).x > bench.pace.speed(0.3)
+            along(&s) - from > bench.pace.length(5.0)
+                && (s.attitude * s.velocity_body).x > bench.pace.speed(0.3)
         }
     };
     Ok((climbed, d.finish()))
@@ -141,7 +142,7 @@ fn grade_published(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut d = Drive::new(bench, "60-percent", &plane(atan(0.6), 0.8), 0.0, 0.0)?;
     d.hold(15.0, |s| Driver::Held.controls(bench, s))?;
     let s = d.state();
-    let up = if s.velocity.x > 0.0 { speed(&s) } else { -speed(&s) };
+    let up = if s.velocity_body.x > 0.0 { speed(&s) } else { -speed(&s) };
     o.figure("speed after 15 s", up, "m/s");
     let series = d.finish();
     let mut plot = Plot::new("Speed on 60 %", "t, s", "speed, m/s");

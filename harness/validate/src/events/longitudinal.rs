@@ -28,9 +28,13 @@ fn reach(bench: &Bench<'_>, d: &mut Drive, speed: f64) -> Result<(), SimError> {
         let c = bench.pace.hold_speed(s, speed + 0.1, bench.pace.hold_line(s));
         controls(c.steering, c.throttle.min(0.3), c.brake)
     };
-    d.run(60.0, gentle, |s| s.velocity.x >= bench.pace.speed(speed))?;
+    d.run(60.0, gentle, |s| s.velocity_body.x >= bench.pace.speed(speed))?;
     d.hold(5.0, gentle)?;
-    d.run(5.0, |s| controls(bench.pace.hold_line(s), 0.0, 0.0), |s| s.velocity.x <= bench.pace.speed(speed))?;
+    d.run(
+        5.0,
+        |s| controls(bench.pace.hold_line(s), 0.0, 0.0),
+        |s| s.velocity_body.x <= bench.pace.speed(speed),
+    )?;
     Ok(())
 }
 
@@ -54,7 +58,7 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let press = |s: &VehicleState| controls(bench.pace.hold_line(s), throttle, 0.0);
         for target in [5.0, 10.0, 15.0, 20.0, 30.0] {
             let rest = seconds - (d.state().time - begin);
-            let reached = d.run(rest, press, |s| s.velocity.x >= pace.speed(target))?;
+            let reached = d.run(rest, press, |s| s.velocity_body.x >= pace.speed(target))?;
             let t = if reached { d.state().time - begin } else { f64::NAN };
             o.figure(format!("{case}: time to {} m/s", pace.speed_label(target)), t, "s");
         }
@@ -139,7 +143,7 @@ fn shifts(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         let press = |s: &VehicleState| controls(pace.hold_line(s), 1.0, 0.0);
         for target in [10.0, 15.0, 20.0] {
             let rest = limit - (d.state().time - begin);
-            let reached = d.run(rest, press, |s| s.velocity.x >= pace.speed(target))?;
+            let reached = d.run(rest, press, |s| s.velocity_body.x >= pace.speed(target))?;
             let t = if reached { d.state().time - begin } else { f64::NAN };
             // As it is these are figures of the event already.
             if name.ends_with("sooner") {
@@ -177,7 +181,7 @@ pub(super) fn time_to_10(bench: &Bench<'_>) -> Result<f64, SimError> {
     d.run(
         30.0,
         |s| controls(bench.pace.hold_line(s), 1.0, 0.0),
-        |s| s.velocity.x >= bench.pace.speed(bench.pace.within_reach(10.0)),
+        |s| s.velocity_body.x >= bench.pace.speed(bench.pace.within_reach(10.0)),
     )?;
     Ok(d.state().time)
 }
@@ -205,12 +209,12 @@ fn brake(
         |s| controls(bench.pace.hold_line(s), 0.0, pedal),
         |s| {
             pitch = pitch.max(s.roll_pitch_yaw().1.abs());
-            s.velocity.x <= bench.pace.speed(0.01)
+            s.velocity_body.x <= bench.pace.speed(0.01)
         },
     )?;
     let b = d.state();
     o.series.push(d.finish());
-    Ok((a.velocity.x, (b.position - a.position).norm(), b.time - a.time, pitch))
+    Ok((a.velocity_body.x, (b.position - a.position).norm(), b.time - a.time, pitch))
 }
 
 fn braking(bench: &Bench<'_>) -> Result<Outcome, SimError> {
@@ -280,7 +284,7 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut d = Drive::new(bench, &speed, &flat(0.9), 0.0, 0.0)?;
         reach(bench, &mut d, from)?;
         let begin = d.state().time;
-        let mut p = PointMass::new(bench, 0.9, d.state().velocity.x);
+        let mut p = PointMass::new(bench, 0.9, d.state().velocity_body.x);
         let (mut slowest, mut previous, mut gained) = (f64::INFINITY, bench.pace.speed(from), 0.0_f64);
         let mut last = 0.0;
         for after in [2.0, 5.0, 10.0, 30.0, 90.0] {
@@ -288,16 +292,16 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 after - last,
                 |s| controls(bench.pace.hold_line(s), 0.0, 0.0),
                 |s| {
-                    slowest = slowest.min(s.velocity.x);
+                    slowest = slowest.min(s.velocity_body.x);
                     // Gearshifts and the carcass may ripple: what counts is a gain over the lowest speed so far.
-                    previous = previous.min(s.velocity.x);
-                    gained = gained.max(s.velocity.x - previous);
+                    previous = previous.min(s.velocity_body.x);
+                    gained = gained.max(s.velocity_body.x - previous);
                     false
                 },
             )?;
             last = after;
             let name = format!("from {speed} m/s: speed after {after:.0} s");
-            o.figure(name.clone(), d.state().velocity.x, "m/s");
+            o.figure(name.clone(), d.state().velocity_body.x, "m/s");
             p.drive_for(after, 0.0, 0.0);
             if p.speed > bench.pace.speed(0.5) && PointMass::knows(bench) {
                 o.theory(name, Expected::fraction(p.speed, 0.05), POINT_MASS);
@@ -361,9 +365,9 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     d.run(
         30.0,
         |s| bench.pace.hold_speed(s, 1.16 * speed_at, bench.pace.hold_line(s)),
-        |s| s.velocity.x >= at(1.1),
+        |s| s.velocity_body.x >= at(1.1),
     )?;
-    d.run(5.0, |_| COASTING, |s| s.velocity.x <= at(1.0))?;
+    d.run(5.0, |_| COASTING, |s| s.velocity_body.x <= at(1.0))?;
     let s = d.state();
     let radii: Vec<f64> = s.wheels.iter().map(|w| speed(&s) / w.speed).collect();
     // Loaded over free radius, of the wheel that is loaded most.

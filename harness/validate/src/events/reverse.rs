@@ -36,13 +36,13 @@ fn top_speed(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let s = d.state();
     o.expect(
         "speed after 30 s",
-        -s.velocity.x,
+        -s.velocity_body.x,
         "m/s",
         Expected::fraction(theory.top_speed(), 0.02),
         "balance of the engine's maps through the reverse gear and rolling resistance",
     );
     if bench.spec.powertrain.converter.is_none() {
-        let turning = theory.input(-s.velocity.x);
+        let turning = theory.input(-s.velocity_body.x);
         o.expect(
             "engine speed",
             s.engine_speed,
@@ -89,7 +89,7 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut d = Drive::new(bench, &format!("start-{slope:.2}"), &ground, 0.0, PI)?;
         d.hold(3.0, |s| reverse(steer(s), throttle, 1.0))?;
         d.hold(3.0, |s| reverse(steer(s), throttle, 0.0))?;
-        let up = d.state().velocity.x < -pace.speed(0.02);
+        let up = d.state().velocity_body.x < -pace.speed(0.02);
         if up {
             best = Some(d.finish());
         }
@@ -120,7 +120,8 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let far = pace.length(150.0);
         d.run(pace.time(12.0), |s| reverse(steer(s), 1.0, 0.0), |s| along(s) - from >= far)?;
         let s = d.state();
-        let climbed = along(&s) - from > pace.length(5.0) && (s.attitude * s.velocity).x > pace.speed(0.3);
+        let climbed =
+            along(&s) - from > pace.length(5.0) && (s.attitude * s.velocity_body).x > pace.speed(0.3);
         if climbed {
             best = Some(d.finish());
         }
@@ -159,8 +160,8 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             d.hold(10.0, hold)?;
             let (mut path, mut heading) = (0.0, 0.0);
             d.run(10.0, hold, |s| {
-                path += speed(s).copysign(s.velocity.x);
-                heading += s.angular_velocity.z;
+                path += speed(s).copysign(s.velocity_body.x);
+                heading += s.angular_velocity_body.z;
                 false
             })?;
             let series = d.finish();
@@ -250,23 +251,23 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
             let c = pace.hold_speed(s, 1.2 * target, pace.hold_line(s));
             controls(c.steering, c.throttle.min(0.3), c.brake)
         };
-        d.run(30.0, gentle, |s| s.velocity.x >= pace.speed(target))?;
+        d.run(30.0, gentle, |s| s.velocity_body.x >= pace.speed(target))?;
         // What the last push has strained gives it back.
         d.hold(pace.time(0.3), |s| controls(pace.hold_line(s), 0.0, 0.0))?;
         Ok(d)
     };
     let mut d = reach("waiting")?;
-    let (mut slowest, mut gained) = (d.state().velocity.x, 0.0_f64);
+    let (mut slowest, mut gained) = (d.state().velocity_body.x, 0.0_f64);
     let left = d.run(
         pace.time(0.5),
         |s| reverse(pace.hold_line(s), 1.0, 0.0),
         |s| {
-            slowest = slowest.min(s.velocity.x);
-            gained = gained.max(s.velocity.x - slowest);
+            slowest = slowest.min(s.velocity_body.x);
+            gained = gained.max(s.velocity_body.x - slowest);
             s.gear != Gear::Forward
         },
     )?;
-    let waited = if left { d.state().velocity.x } else { f64::INFINITY };
+    let waited = if left { d.state().velocity_body.x } else { f64::INFINITY };
     o.expect(
         "greatest gain of speed while reverse waits",
         gained,
@@ -274,13 +275,13 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         Expected::AtMost(pace.speed(0.02)),
         "the throttle is closed while a change of direction is pending",
     );
-    let mut last = waited.min(d.state().velocity.x);
+    let mut last = waited.min(d.state().velocity_body.x);
     d.run(
         30.0,
         |s| reverse(pace.hold_line(s), 1.0, 1.0 / 3.0),
         |s| {
             if s.gear == Gear::Forward {
-                last = s.velocity.x;
+                last = s.velocity_body.x;
             }
             s.gear != Gear::Forward
         },
@@ -305,7 +306,7 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
     d.hold(pace.time(3.0), |s| reverse(pace.hold_line(s), 0.3, 0.0))?;
     o.expect(
         "speed 3 s after",
-        d.state().velocity.x,
+        d.state().velocity_body.x,
         "m/s",
         Expected::AtMost(-pace.speed(0.1)),
         "it drives backwards",

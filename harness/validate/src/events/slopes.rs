@@ -61,7 +61,7 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     o.figure("driving: sliding downhill in the last 5 s", downhill(&s) - late, "m");
     o.figure("driving: drift in 30 m", downhill(&s) - before.map_or(f64::NAN, |p| p[1]), "m");
     o.figure("driving: greatest roll", degrees(roll), "°");
-    o.figure("driving: speed at the end", s.velocity.x, "m/s");
+    o.figure("driving: speed at the end", s.velocity_body.x, "m/s");
     let series = d.finish();
     let mut plot = Plot::map("Path along the side slope", "along the slope, m", "downhill, m");
     plot.ours("μ 0.8", series.rows.iter().map(|r| [r[2], -r[1]]).collect());
@@ -86,7 +86,7 @@ const SLIDING: f64 = 0.02;
 
 /// Sideways speed of the vehicle at the height of the ground, m/s: a body that leans out about its wheels has none there.
 fn sliding(s: &VehicleState) -> f64 {
-    ((s.attitude * s.velocity).y + (s.attitude * s.angular_velocity).x * s.position.z).abs()
+    ((s.attitude * s.velocity_body).y + (s.attitude * s.angular_velocity_body).x * s.position.z).abs()
 }
 
 fn tilt_table(bench: &Bench<'_>) -> Result<Outcome, SimError> {

@@ -95,7 +95,7 @@ fn speed_after(
     let mut d = Drive::on_soil(bench, set, &case, &soil(class, 300.0, 40.0, 0.0), -140.0)?;
     d.hold(2.0, |_| PARKED)?;
     d.hold(bench.pace.time(10.0), |s| controls(bench.pace.hold_line(s), throttle, 0.0))?;
-    Ok((d.state().velocity.x, d))
+    Ok((d.state().velocity_body.x, d))
 }
 
 fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
@@ -108,7 +108,7 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             let slip = {
                 let s = d.state();
                 let rim = s.wheels.iter().map(|w| w.speed).sum::<f64>() / s.wheels.len() as f64;
-                1.0 - s.velocity.x / (rim * bench.geometry.radius)
+                1.0 - s.velocity_body.x / (rim * bench.geometry.radius)
             };
             o.figure(format!("{}, throttle {throttle:.1}: speed after 10 s", class.name()), v, "m/s");
             o.figure(format!("{}, throttle {throttle:.1}: slip after 10 s", class.name()), slip, "");
@@ -175,7 +175,7 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             d.run(time, drive, |s| (along(s) - from).abs() >= far)?;
             let s = d.state();
             let climbed = along(&s) - from >= bench.pace.length(20.0)
-                && (s.attitude * s.velocity).x / cos(angle) >= bench.pace.speed(2.0);
+                && (s.attitude * s.velocity_body).x / cos(angle) >= bench.pace.speed(2.0);
             if climbed {
                 best = Some(d.finish());
             }

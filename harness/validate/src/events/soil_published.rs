@@ -7,7 +7,7 @@ use crate::mobility_index::{CONE_INDEX, Wheeled};
 use crate::rig::Drive;
 use vb_sim::{
     SimError, SoilSet, VehicleState,
-    soil::{Sinkage, SoilLaw, WheelRig},
+    soil::{Sinkage, Snow, SoilLaw, WheelRig},
 };
 use vb_world::TerrainClass;
 
@@ -126,7 +126,7 @@ fn snow(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut plot = Plot::new("Motion resistance over measured", "measured R/W", "R/W");
     let mut points = Vec::new();
     for (k, [depth, density, sinkage, resistance]) in MEASURED.into_iter().enumerate() {
-        let law = SoilLaw { sinkage: Sinkage::Snow { depth, density }, ..*base };
+        let law = SoilLaw { sinkage: Sinkage::Snow(Snow { depth, density }), ..*base };
         let run = crrel_wheel(bench, sinkage).run(&towed(law), 0.0, 1);
         let r = run.compaction / CRREL_LOAD;
         let name = format!("{}: {depth} m of {density} kg/m³", k + 1);

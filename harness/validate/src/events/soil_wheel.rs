@@ -6,7 +6,7 @@ use crate::rigid_wheel::{Carried, RigidWheel};
 use vb_math::{exp, ln, pow, tan};
 use vb_sim::{
     SimError,
-    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw, WheelRig},
+    soil::{Bekker, PressureDirection, Sinkage, SlipSinkage, Snow, SoilLaw, WheelRig},
 };
 
 /// A soil as the closed forms know it: pressure normal to the rim, no damping, no heaps.
@@ -52,9 +52,11 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             for k in 1..=10 {
                 let p = 20e3 * f64::from(k);
                 let z = match law.sinkage {
-                    Sinkage::Bekker { k_phi, k_c, exponent: n } => pow(p / (k_c / breadth + k_phi), 1.0 / n),
+                    Sinkage::Bekker(Bekker { k_phi, k_c, exponent: n }) => {
+                        pow(p / (k_c / breadth + k_phi), 1.0 / n)
+                    }
                     // The density at which the pressure is that of compaction from the undisturbed density on.
-                    Sinkage::Snow { depth, density } => {
+                    Sinkage::Snow(Snow { depth, density }) => {
                         let all = p + 341e3 * exp((density - 575.0) / 67.4);
                         depth * (1.0 - density / (575.0 + 67.4 * ln(all / 341e3)))
                     }
@@ -63,8 +65,8 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             }
         }
         let source = match law.sinkage {
-            Sinkage::Bekker { .. } => "p = (kc/b + kφ) zⁿ at 20 to 200 kPa (Wong 2008, eq. 2.61)",
-            Sinkage::Snow { .. } => "z = h (1 − ρ0/ρf), ρf over p at 20 to 200 kPa (CRREL Report 95-7)",
+            Sinkage::Bekker(_) => "p = (kc/b + kφ) zⁿ at 20 to 200 kPa (Wong 2008, eq. 2.61)",
+            Sinkage::Snow(_) => "z = h (1 − ρ0/ρf), ρf over p at 20 to 200 kPa (CRREL Report 95-7)",
         };
         o.expect(&format!("{name}: greatest deviation"), 100.0 * worst, "%", Expected::AtMost(1.0), source);
         if plot.lines.len() < 8 {
@@ -251,7 +253,7 @@ pub(super) const SECOND_PASS: Event = Event {
 
 /// Why trials of ruts say nothing of this soil, if they don't.
 fn unlike_trials(law: &SoilLaw) -> Option<&'static str> {
-    if matches!(law.sinkage, Sinkage::Bekker { exponent, .. } if exponent < 0.3) {
+    if matches!(law.sinkage, Sinkage::Bekker(Bekker { exponent, .. }) if exponent < 0.3) {
         return Some(
             "trials are of soils that grow firmer under a rut: this one's pressure hardly grows with depth",
         );

@@ -100,7 +100,7 @@ fn trip(bench: &Bench<'_>, case: &str, block: &Block, o: &mut Outcome) -> Result
     let mut last = None;
     let found = largest(low, high, 0.0025 * high, |speed| {
         let mut d = Drive::new(bench, case, &flat(TIP_FRICTION), 0.0, 0.0)?;
-        d.sim().throw([0.0, speed, 0.0]);
+        d.sim().rig().throw([0.0, speed, 0.0]);
         let gone = match d.run(bench.pace.time(4.0), |_| PARKED, |s| s.roll_pitch_yaw().0.abs() > over) {
             Err(SimError::Diverged { time, what, .. }) => {
                 o.note(format!("{case}: at {speed:.2} m/s the simulation diverges at {time:.2} s, which counts as going over: {what}"));
@@ -214,7 +214,7 @@ fn circle(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimEr
             bench.pace.hold_speed(s, 1.0 + 0.4 * seconds, 0.6)
         },
         |s| {
-            lateral.push(s.angular_velocity.z * s.velocity.x);
+            lateral.push(s.angular_velocity_body.z * s.velocity_body.x);
             // It turns to the left: the inner wheels are those of even numbers.
             let inner: f64 = s.wheels.iter().step_by(2).map(|w| w.load).sum();
             airborne = if inner > 0.0 { 0.0 } else { airborne + bench.options.step };
@@ -259,7 +259,7 @@ fn manoeuvres(
         d.run(
             pace.time(40.0),
             |s| pace.hold_speed(s, target + 0.3, pace.hold_line(s)),
-            |s| s.velocity.x > pace.speed(target),
+            |s| s.velocity_body.x > pace.speed(target),
         )?;
         let begin = d.state().time;
         let window = (pace.time(0.2) / bench.options.step) as usize;
@@ -269,14 +269,14 @@ fn manoeuvres(
             pace.time(5.0),
             |s| {
                 let since = s.time - begin;
-                if reverses && since > pace.time(0.5) && s.angular_velocity.x <= 0.0 {
+                if reverses && since > pace.time(0.5) && s.angular_velocity_body.x <= 0.0 {
                     reversed = since.min(reversed);
                 }
                 controls(if since > reversed { -1.0 } else { 1.0 }, 0.0, 0.0)
             },
             |s| {
                 let arm = s.attitude.inverse() * (g.com_of(s) - s.position);
-                let velocity = s.attitude * (s.velocity + s.angular_velocity.cross(&arm));
+                let velocity = s.attitude * (s.velocity_body + s.angular_velocity_body.cross(&arm));
                 speeds.push(velocity);
                 if let Some(k) = speeds.len().checked_sub(window + 1) {
                     let change = velocity - speeds[k];
@@ -374,7 +374,7 @@ fn lay(bench: &Bench<'_>, case: &str, roll: f64, clearance: f64) -> Result<Drive
     let turn = turned(roll);
     let lowest = points.iter().map(|p| (turn * (p - bench.geometry.chassis_com)).z);
     let lowest = lowest.fold(f64::INFINITY, f64::min);
-    d.sim().overturn(roll, bench.pace.length(clearance) - lowest);
+    d.sim().rig().overturn(roll, bench.pace.length(clearance) - lowest);
     Ok(d)
 }
 
@@ -430,7 +430,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             |_| PARKED,
             |s| {
                 excess = excess.max(g.mechanical_energy(s) - first);
-                rate = rate.max(s.angular_velocity.x.abs());
+                rate = rate.max(s.angular_velocity_body.x.abs());
                 lowest = lowest.min(g.com_of(s).z);
                 trace.push([s.time - begin, degrees(s.roll_pitch_yaw().0).rem_euclid(360.0)]);
                 false
@@ -468,7 +468,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         }
         o.expect(
             &format!("{label}: speed after 10 s"),
-            s.velocity.norm(),
+            s.velocity_body.norm(),
             "m/s",
             Expected::AtMost(pace.speed(0.02)),
             "it lies still",
@@ -542,8 +542,8 @@ fn slide(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         return Ok(());
     }
     let from = bench.geometry.com_of(&d.state());
-    d.sim().throw([speed, 0.0, 0.0]);
-    d.run(pace.time(6.0), |_| PARKED, |s| s.velocity.norm() < pace.speed(0.01))?;
+    d.sim().rig().throw([speed, 0.0, 0.0]);
+    d.run(pace.time(6.0), |_| PARKED, |s| s.velocity_body.norm() < pace.speed(0.01))?;
     let way = (bench.geometry.com_of(&d.state()) - from).norm();
     o.expect(
         "roof: way of a slide from 5 m/s",

@@ -8,7 +8,7 @@ use crate::rig::{Drive, largest};
 use vb_math::{exp, pow, tan};
 use vb_sim::{
     SimError, SoilSet, VehicleState,
-    soil::{PressureDirection, Sinkage, SlipSinkage, SoilLaw},
+    soil::{Bekker, PressureDirection, Sinkage, SlipSinkage, SoilLaw},
 };
 use vb_vehicle::tracks::Tracks;
 use vb_world::TerrainClass;
@@ -85,7 +85,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             false => bench.pace.hold_speed(s, 3.0, steering),
         })?;
         let s = d.state();
-        let radius = s.velocity.x / s.angular_velocity.z;
+        let radius = s.velocity_body.x / s.angular_velocity_body.z;
         let label = format!("{way}steering {steering}: radius");
         o.figure(&label, radius, "m");
         if steering < 1.0 {
@@ -151,17 +151,17 @@ fn pulled(
     for k in 0..150 {
         // A load behind it that pulls as its own weight does on a slope.
         let pull = fraction * (f64::from(k) / 50.0).min(1.0);
-        d.sim().set_gravity([-pull * vb_vehicle::GRAVITY, 0.0, -vb_vehicle::GRAVITY]);
+        d.sim().rig().set_gravity([-pull * vb_vehicle::GRAVITY, 0.0, -vb_vehicle::GRAVITY]);
         d.hold(0.1, |s| bench.pace.hold_speed(s, 2.0, 0.0))?;
         let s = d.state();
         if k >= 100 {
-            slip += 1.0 - s.velocity.x / t.belt(&s);
+            slip += 1.0 - s.velocity_body.x / t.belt(&s);
             sinkage = s.wheels.iter().map(|w| w.sinkage).fold(sinkage, f64::max);
             count += 1.0;
         }
     }
     let slip = slip / count;
-    Ok((slip < 0.8 && d.state().velocity.x > 0.05).then_some((slip, sinkage)))
+    Ok((slip < 0.8 && d.state().velocity_body.x > 0.05).then_some((slip, sinkage)))
 }
 
 fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
@@ -186,7 +186,7 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let mut set = wong.clone();
         set.soils.values_mut().for_each(|l| *l = law);
         let resistance = |z: f64| {
-            let Sinkage::Bekker { k_phi, k_c, exponent: n } = law.sinkage else { return f64::NAN };
+            let Sinkage::Bekker(Bekker { k_phi, k_c, exponent: n }) = law.sinkage else { return f64::NAN };
             2.0 * t.width * (k_c / t.width + k_phi) * pow(z, n + 1.0) / (n + 1.0) / weight
         };
         let most = 2.0 * t.width * t.length * law.cohesion / weight

@@ -34,9 +34,9 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             |s| bench.pace.hold_speed(s, 2.0, steering),
             |s| {
                 // The centre of turning: where the velocity field of the rigid body is zero.
-                let v = s.attitude * s.velocity;
-                centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.angular_velocity.z;
-                path += speed(s) / s.angular_velocity.z.abs();
+                let v = s.attitude * s.velocity_body;
+                centre += s.position + Vector3::new(-v.y, v.x, 0.0) / s.angular_velocity_body.z;
+                path += speed(s) / s.angular_velocity_body.z.abs();
                 count += 1.0;
                 false
             },

@@ -233,13 +233,13 @@ fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64, throttle: f64
             loads[i] += w.load;
             slower &= i % 2 == 0 || !spec.axles[i / 2].driven || s.wheels[i - 1].speed > w.speed;
             let rim = w.speed * g.corners[i].radius;
-            spun &= i % 2 == 1 || !spec.axles[i / 2].driven || rim > 1.05 * s.velocity.x;
+            spun &= i % 2 == 1 || !spec.axles[i / 2].driven || rim > 1.05 * s.velocity_body.x;
         }
         false
     })?;
     let last = d.state();
     let seconds = last.time - first.time;
-    let along = |s: &VehicleState| s.velocity.x;
+    let along = |s: &VehicleState| s.velocity_body.x;
     let pull = g.mass * (along(&last) - along(&first)) / seconds;
     o.figure(format!("{label}pull"), pull, "N");
     o.series.push(d.finish());

@@ -45,7 +45,7 @@ fn cross(bench: &Bench<'_>, length: f64, target: f64) -> Result<Crossing, SimErr
         |s| bench.pace.hold_speed(s, target, bench.pace.hold_line(s)),
         |s| {
             if s.position.x > pace.length(-4.0) {
-                trace.push([s.position.x, (s.attitude * s.velocity).z, degrees(s.roll_pitch_yaw().1)]);
+                trace.push([s.position.x, (s.attitude * s.velocity_body).z, degrees(s.roll_pitch_yaw().1)]);
                 heights = [heights[0].min(s.position.z), heights[1].max(s.position.z)];
             }
             s.position.x > pace.length(length + 8.0)
@@ -150,7 +150,7 @@ fn drop(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         .map(|i| g.hub(i, 0.0, 0.0).z - g.corners[i].radius)
         .fold(f64::INFINITY, f64::min);
     let clearance = bench.pace.length(CLEARANCE);
-    d.sim().lift(clearance - lowest_rim);
+    d.sim().rig().lift(clearance - lowest_rim);
     let start = d.state().position.z;
     let (mut touched, mut lowest, mut peak, mut highest) = (f64::NAN, f64::INFINITY, 0.0_f64, 0.0_f64);
     let begin = d.state().time;

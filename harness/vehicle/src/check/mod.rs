@@ -9,6 +9,7 @@ mod tyre;
 
 use crate::SCALES;
 use crate::VehicleSpec;
+use crate::field::Check;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::SharedShape;
 use vb_files::document::{self, Document};
@@ -46,54 +47,7 @@ fn foreign(text: &str) -> Option<&'static str> {
     chrono.then_some("a JSON file of Project Chrono")
 }
 
-/// The largest number that a vehicle file may have, in whatever unit: a spring of 1e9 N/m gives a micrometre under a tonne. Squares
-/// and products of larger ones leave the range in which a simulation can compute.
-const LARGEST: f64 = 1e9;
-/// The smallest number above zero where zero makes no sense, for the same reason: one over it is [`LARGEST`].
-const SMALLEST: f64 = 1e-9;
-
-struct Check;
-
 impl Check {
-    fn fail<T>(&self, field: &str, reason: String) -> Result<T, Flaw> {
-        Err(Flaw::new(field, reason))
-    }
-
-    fn positive(&self, field: &str, value: f64) -> Result<(), Flaw> {
-        if (SMALLEST..=LARGEST).contains(&value) {
-            return Ok(());
-        }
-        if value.is_finite() && value > 0.0 {
-            return self.beyond(field, value);
-        }
-        self.fail(field, format!("{value} must be a positive number"))
-    }
-
-    fn not_negative(&self, field: &str, value: f64) -> Result<(), Flaw> {
-        if (0.0..=LARGEST).contains(&value) {
-            return Ok(());
-        }
-        if value.is_finite() && value > 0.0 {
-            return self.beyond(field, value);
-        }
-        self.fail(field, format!("{value} must be zero or a positive number"))
-    }
-
-    fn finite(&self, field: &str, values: &[f64]) -> Result<(), Flaw> {
-        match values.iter().find(|v| !(-LARGEST..=LARGEST).contains(*v)) {
-            None => Ok(()),
-            Some(v) if v.is_finite() => self.beyond(field, *v),
-            Some(v) => self.fail(field, format!("{v} is not a number to compute with")),
-        }
-    }
-
-    fn beyond<T>(&self, field: &str, value: f64) -> Result<T, Flaw> {
-        let reason = format!(
-            "{value:e} is what no vehicle has (give a size from {SMALLEST:e} to {LARGEST:e}, in SI units)"
-        );
-        self.fail(field, reason)
-    }
-
     fn vehicle(&self, v: &VehicleSpec) -> Result<(), Flaw> {
         if v.name.is_empty() || !v.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
             return self.fail("name", format!("{:?} must be letters, digits, - and _", v.name));

@@ -1,6 +1,6 @@
 //! Engine, converter, gearbox and driveline.
 
-use super::{Check, LARGEST, SMALLEST};
+use crate::field::{Check, LARGEST, SMALLEST};
 use crate::{
     VehicleSpec,
     powertrain::{Converter, Differential, Driveline, Engine, Gearbox},

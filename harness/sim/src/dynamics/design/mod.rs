@@ -3,12 +3,13 @@
 //! Nothing in a step writes here, so that any number of vehicles of one kind can share it.
 
 mod beam;
+mod servo;
 mod track;
 
 pub(crate) use beam::Beam;
+pub(crate) use servo::Servo;
 pub(crate) use track::{Track, gearing, sprockets};
 
-use super::steering::Servo;
 use crate::V3;
 use crate::collision::WheelShape;
 use crate::tyre::{Envelope, Tyre};

@@ -92,7 +92,7 @@ pub(super) fn pull_tracks(
     for ((track, belt), laid) in design.tracks.iter().zip(belts).zip(laid) {
         laid.lay(track, turn, placements);
         let middle = V3::new(track.middle[0], track.aside, track.middle[1]);
-        let at = body.x + turn * middle;
+        let at = body.x_world + turn * middle;
         let discs = laid.course.discs();
         let reach = 0.5 * (discs[0].centre[0] - discs[track.count() - 1].centre[0]) + 2.0 * track.radius;
         let under = ground.under(at.x, at.y, reach);

@@ -108,9 +108,9 @@ impl TrackStep<'_> {
         let arm = turn * middle;
         let axis = turn.column(1).into_owned();
         let motion = WheelMotion {
-            hub: body.x + arm,
-            velocity: body.v + body.w.cross(&arm),
-            rotation: body.w,
+            hub: body.x_world + arm,
+            velocity: body.v_world + body.w_world.cross(&arm),
+            rotation: body.w_world,
             axis,
             spin: 0.0,
         };

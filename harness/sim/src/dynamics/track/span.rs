@@ -46,7 +46,7 @@ impl TrackStep<'_> {
         ground: &Ground<'_>,
         under: Under,
     ) -> Option<Touch> {
-        let (x, turn, aside) = (kinematics.body.x, &kinematics.turn, self.track.aside);
+        let (x, turn, aside) = (kinematics.body.x_world, &kinematics.turn, self.track.aside);
         let span = &self.laid.course.spans()[j];
         let out = span.outward();
         let outward = in_world(turn, out);
@@ -104,7 +104,7 @@ impl TrackStep<'_> {
 
     /// Where an obstacle pushes a span in.
     fn obstacle_touch(&self, j: usize, kinematics: &Kinematics<'_>, ground: &Ground<'_>) -> Option<Touch> {
-        let (x, turn) = (kinematics.body.x, &kinematics.turn);
+        let (x, turn) = (kinematics.body.x_world, &kinematics.turn);
         let span = &self.laid.course.spans()[j];
         let [mx, mz] = span.at(0.5);
         let middle = x + turn * V3::new(mx, self.track.aside, mz);
@@ -161,10 +161,12 @@ impl TrackStep<'_> {
         let axis = turn.column(1).into_owned();
         let hub = touch.point + touch.normal * track.radius;
         let moves = |i: usize| placements[i].tangent * wheels[i].travel_rate;
-        let velocity =
-            body.v + body.w.cross(&(hub - body.x)) + moves(a) * (1.0 - touch.part) + moves(b) * touch.part;
+        let velocity = body.v_world
+            + body.w_world.cross(&(hub - body.x_world))
+            + moves(a) * (1.0 - touch.part)
+            + moves(b) * touch.part;
         let spin = self.belt.speed / (track.radius + depth);
-        let motion = WheelMotion { hub, velocity, rotation: body.w + axis * spin, axis, spin };
+        let motion = WheelMotion { hub, velocity, rotation: body.w_world + axis * spin, axis, spin };
         let contact = Contact { point: touch.point, normal: touch.normal, depth };
         let Some(r) = track.belt.react(&motion, &contact, touch.friction, &mut patch, dt) else {
             return patch;
@@ -172,7 +174,7 @@ impl TrackStep<'_> {
         self.laid.thrust[j] -= (1.0 - touch.part) * r.spin_moment / (track.radius + depth);
         self.laid.thrust[j + 1] -= touch.part * r.spin_moment / (track.radius + depth);
         let push = Push {
-            at: touch.point - body.x,
+            at: touch.point - body.x_world,
             force: r.force,
             inertia: touch.normal * touch.normal.transpose() * (dt * track.belt.damping()),
             load: r.load,

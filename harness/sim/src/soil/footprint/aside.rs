@@ -3,8 +3,7 @@
 use super::super::law::Soil;
 use super::press::{Sum, store, total};
 use super::transport::STILL;
-use super::{Footprint, Frame, LANES, Row};
-use crate::tyre::WheelMotion;
+use super::{Footprint, LANES, Row, Step};
 use fearless_simd::{Simd, f64x4, prelude::*};
 
 /// Speed to the side, m/s, at which half of the resistance acts: it is a friction, made smooth for the integration. Ours.
@@ -17,15 +16,8 @@ impl<const N: usize> Footprint<N> {
     /// Terrain-Vehicle Systems, 1969, part II, ch. 1: R = b ∫p dz); a pressure without a component along the axle leaves it
     /// out, and a wheel that slides into a bank would be lifted for nothing.
     #[inline(always)]
-    pub(super) fn resist_aside<S: Simd>(
-        &mut self,
-        simd: S,
-        soil: &Soil,
-        m: &WheelMotion,
-        f: &Frame,
-        dt: f64,
-        sum: &mut Sum,
-    ) {
+    pub(super) fn resist_aside<S: Simd>(&mut self, simd: S, soil: &Soil, step: &Step<'_>, sum: &mut Sum) {
+        let Step { motion: m, frame: f, dt, .. } = step;
         let speed = m.velocity.dot(&f.axis);
         if !soil.radial || speed.abs() < STILL || !self.aside.is_finite() {
             return;
@@ -76,10 +68,11 @@ impl<const N: usize> Footprint<N> {
 mod tests {
     use super::super::super::ground::SoilGround;
     use super::super::super::law::SoilLaw;
-    use super::super::super::sinkage::Sinkage;
+    use super::super::super::sinkage::{Bekker, Sinkage};
     use super::super::tests::linear;
     use super::*;
     use crate::V3;
+    use crate::tyre::WheelMotion;
     use vb_world::Heightfield;
 
     const RADIUS: f64 = 0.47;
@@ -90,7 +83,7 @@ mod tests {
     /// the force on it (N) after 0.5 m and the power (W) that the soil gives it. The soil has no shear strength.
     fn slide(rise: f64, depth: f64) -> (V3, f64) {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: MODULUS, k_c: 0.0, exponent: 1.0 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: MODULUS, k_c: 0.0, exponent: 1.0 }),
             friction_angle_deg: 0.0,
             ..linear()
         };

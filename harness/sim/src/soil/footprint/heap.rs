@@ -1,8 +1,7 @@
 //! Displaced soil is heaped up around the contact.
 
 use super::super::grid::Grid;
-use super::{FIRST, Footprint, Frame};
-use crate::tyre::WheelMotion;
+use super::{FIRST, Footprint, Step};
 
 /// Plastic sinkage beyond which the ground counts as a rut, m.
 const LOOSE: f64 = 1e-3;
@@ -18,8 +17,7 @@ impl<const N: usize> Footprint<N> {
     pub(super) fn heap(
         &mut self,
         grid: &mut Grid,
-        m: &WheelMotion,
-        f: &Frame,
+        step: &Step<'_>,
         (first, last): (usize, usize),
         volume: f64,
         slope: f64,
@@ -58,22 +56,13 @@ impl<const N: usize> Footprint<N> {
         self.waiting.1 += 1;
         if self.waiting.1 >= PAUSE {
             let side = std::mem::take(&mut self.waiting).0;
-            self.heap_beside(grid, m, f, self.shape.xs[first], length, side, slope);
+            self.heap_beside(grid, step, self.shape.xs[first], length, side, slope);
         }
     }
 
     /// Heaps `side` (m³) up on each side of the wheel, along `length` from `start` on.
-    #[allow(clippy::too_many_arguments, reason = "the wheel, the heap and where it goes")]
-    fn heap_beside(
-        &self,
-        grid: &mut Grid,
-        m: &WheelMotion,
-        f: &Frame,
-        start: f64,
-        length: f64,
-        side: f64,
-        slope: f64,
-    ) {
+    fn heap_beside(&self, grid: &mut Grid, step: &Step<'_>, start: f64, length: f64, side: f64, slope: f64) {
+        let (m, f) = (step.motion, &step.frame);
         let resolution = grid.resolution();
         let count = (length / resolution) as usize + 1;
         let each = side / (count as f64 * resolution * resolution);

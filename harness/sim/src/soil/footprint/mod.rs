@@ -127,6 +127,19 @@ impl Frame {
     }
 }
 
+/// A step of a footprint that is near the ground.
+struct Step<'a> {
+    surface: &'a Heightfield,
+    /// What lies within reach of the hub.
+    under: Under,
+    motion: &'a WheelMotion,
+    frame: Frame,
+    /// Unit normal of the ground under the hub, out of it, in world axes.
+    normal: V3,
+    /// s.
+    dt: f64,
+}
+
 impl Footprint<WHEEL> {
     /// For a tyre, on soil that is remembered at a resolution (m): as many strips as cells go into the width.
     pub(crate) fn wheel(radius: f64, width: f64, resolution: f64) -> Self {
@@ -155,7 +168,8 @@ impl Footprint<WHEEL> {
             .filter(|f| near && f.up.z > 0.1);
         let tilt = motion.axis.dot(&normal);
         let reach = self.shape.radius * (1.0 - tilt * tilt).max(0.0).sqrt();
-        let force = self.advance(ground, surface, under, motion, frame, &normal, dt)?;
+        let step = frame.map(|frame| Step { surface, under, motion, frame, normal, dt });
+        let force = self.advance(ground, motion, step)?;
         Some(SoilForce { sinkage: (reach - height).max(0.0), ..force })
     }
 }
@@ -214,7 +228,8 @@ impl Footprint<TRACK> {
         let normal = normal_of([below.dzdx, below.dzdy]);
         let near = motion.hub.z - below.z < self.shape.near && under != Under::Rigid;
         let frame = Some(Frame { along, axis: motion.axis, up }).filter(|f| near && f.up.z > 0.1);
-        self.advance(ground, surface, under, motion, frame, &normal, dt)
+        let step = frame.map(|frame| Step { surface, under, motion, frame, normal, dt });
+        self.advance(ground, motion, step)
     }
 }
 
@@ -244,44 +259,29 @@ impl<const N: usize> Footprint<N> {
         }
     }
 
-    /// A step, if there is a frame for it: else the states go back to the grid. `normal` is the ground's under the hub.
-    #[allow(clippy::too_many_arguments, reason = "ground, motion and frame")]
+    /// A step, if there is a frame for it: else the states go back to the grid.
     fn advance(
         &mut self,
         ground: &mut SoilGround,
-        surface: &Heightfield,
-        under: Under,
         motion: &WheelMotion,
-        frame: Option<Frame>,
-        normal: &V3,
-        dt: f64,
+        step: Option<Step<'_>>,
     ) -> Option<SoilForce> {
-        let Some(frame) = frame else {
+        let Some(step) = step else {
             self.retire(&mut ground.grid, motion);
             return None;
         };
-        dispatch!(self.level, simd => self.step_with(simd, ground, surface, under, motion, &frame, normal, dt))
+        dispatch!(self.level, simd => self.step_with(simd, ground, &step))
     }
 
     /// [`Footprint::advance`] for one instruction set: what it calls must be compiled into it to be compiled for that
     /// set. Closures that arrays' `map` calls are not, so there are none here.
-    #[allow(clippy::too_many_arguments, reason = "ground, motion and frame")]
     #[inline(always)]
-    fn step_with<S: Simd>(
-        &mut self,
-        simd: S,
-        ground: &mut SoilGround,
-        surface: &Heightfield,
-        under: Under,
-        motion: &WheelMotion,
-        frame: &Frame,
-        normal: &V3,
-        dt: f64,
-    ) -> Option<SoilForce> {
+    fn step_with<S: Simd>(&mut self, simd: S, ground: &mut SoilGround, step: &Step<'_>) -> Option<SoilForce> {
+        let Step { motion, frame, dt, .. } = step;
         // A wheel that has been in soil comes back to it.
         let returns = self.used && !self.live;
         if self.live {
-            self.transport(simd, &mut ground.grid, motion, frame, dt);
+            self.transport(simd, &mut ground.grid, step);
         } else {
             self.enter(&ground.grid, motion, frame);
         }
@@ -291,21 +291,21 @@ impl<const N: usize> Footprint<N> {
         if ground.digs() {
             let drive = self.belt + motion.spin * self.shape.radius;
             let travel = motion.velocity.dot(&frame.along);
-            self.slip = slip::follow(self.slip, drive, travel, self.shape.renewal, dt);
+            self.slip = slip::follow(self.slip, drive, travel, self.shape.renewal, *dt);
         }
         let mut sum = Sum::default();
-        self.press(simd, ground, surface, under, motion, frame, dt, returns, &mut sum);
+        self.press(simd, ground, step, returns, &mut sum);
         let span = sum.span?;
         let soil = ground.soil_at(motion.hub.x, motion.hub.y);
         if let Some(soil) = soil {
-            self.resist_aside(simd, soil, motion, frame, dt, &mut sum);
+            self.resist_aside(simd, soil, step, &mut sum);
         }
         let breadth = self.shape.strip_width() * sum.strips as f64;
         self.breadth += (breadth - self.breadth) * (dt / BREADTH_LAG).min(1.0);
         if sum.displaced > 0.0
             && let Some((slope, flow)) = soil.and_then(|soil| soil.heap)
         {
-            self.heap(&mut ground.grid, motion, frame, span, flow * sum.displaced, slope);
+            self.heap(&mut ground.grid, step, span, flow * sum.displaced, slope);
         }
         let [xx, xy, xz, yy, yz, zz] = sum.inertia;
         let axes = M3::from_columns(&[frame.along, frame.axis, frame.up]);
@@ -313,7 +313,7 @@ impl<const N: usize> Footprint<N> {
             force: frame.world(&sum.force),
             compaction: -sum.pressure,
             moment: frame.world(&sum.moment),
-            load: sum.force.dot(&frame.local(normal)),
+            load: sum.force.dot(&frame.local(&step.normal)),
             sinkage: 0.0,
             inertia: axes * M3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * axes.transpose(),
         })
@@ -388,17 +388,19 @@ impl<const N: usize> Footprint<N> {
 #[cfg(test)]
 mod tests {
     use super::super::law::{Bulldozing, PressureDirection, SoilLaw};
-    use super::super::sinkage::Sinkage;
+    use super::super::shear::Shear;
+    use super::super::sinkage::{Bekker, Sinkage};
     use super::super::slip::SlipSinkage;
     use super::*;
 
     /// A soil whose pressure is proportional to the sinkage.
     pub(super) fn linear() -> SoilLaw {
         SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: 2e6, k_c: 0.0, exponent: 1.0 }),
             slip_sinkage: SlipSinkage::None,
             cohesion: 0.0,
             friction_angle_deg: 30.0,
+            shear: Shear::Janosi,
             shear_modulus: 0.01,
             elastic_stiffness: 2e8,
             damping: 0.0,
@@ -423,10 +425,11 @@ mod tests {
     /// The bits of all forces on a wheel that rolls, slips, slides to the left, bounces and turns over rough soil.
     fn forces(level: Level, pressure: PressureDirection) -> Vec<u64> {
         let law = SoilLaw {
-            sinkage: Sinkage::Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 },
+            sinkage: Sinkage::Bekker(Bekker { k_phi: 2e6, k_c: 13e3, exponent: 1.1 }),
             slip_sinkage: SlipSinkage::Lyasko { strength: 1.0 },
             cohesion: 1e3,
             friction_angle_deg: 30.0,
+            shear: Shear::Janosi,
             shear_modulus: 0.01,
             elastic_stiffness: 2e8,
             damping: 3e4,

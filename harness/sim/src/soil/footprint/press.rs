@@ -2,8 +2,8 @@
 
 use super::super::ground::{SoilGround, Under};
 use super::super::law::Soil;
-use super::{FIRST, Footprint, Frame, LANES, Row, Stations};
-use crate::tyre::WheelMotion;
+use super::super::shear::{ShearLaw, with_law};
+use super::{FIRST, Footprint, Frame, LANES, Row, Stations, Step};
 use crate::{V3, normal_of};
 use fearless_simd::{Simd, f64x4, mask64x4, prelude::*};
 use vb_world::Heightfield;
@@ -45,39 +45,50 @@ struct Body {
     seen: f64,
 }
 
+impl Body {
+    /// The velocity of the rim at four stations `x` ahead of the hub and `half` below it, m/s.
+    #[inline(always)]
+    fn rim_velocity<S: Simd>(&self, simd: S, x: f64x4<S>, half: f64x4<S>) -> [f64x4<S>; 3] {
+        let all = |x: f64| f64x4::splat(simd, x);
+        let (velocity, rotation) = (self.velocity, self.rotation);
+        [
+            all(velocity.x - rotation.z * self.offset) - half * all(rotation.y),
+            all(velocity.y) + x * all(rotation.z) + half * all(rotation.x),
+            all(velocity.z + rotation.x * self.offset) - x * all(rotation.y),
+        ]
+    }
+}
+
 const NOT_HERE: f64 = -1.0;
 
 impl<const N: usize> Footprint<N> {
-    #[allow(clippy::too_many_arguments, reason = "wheel, ground and what comes of them")]
+    /// Presses all strips into the soil. `returns`: the wheel comes back to soil in which it has been.
     #[inline(always)]
     pub(super) fn press<S: Simd>(
         &mut self,
         simd: S,
         ground: &SoilGround,
-        surface: &Heightfield,
-        under: Under,
-        m: &WheelMotion,
-        f: &Frame,
-        dt: f64,
+        step: &Step<'_>,
         returns: bool,
         sum: &mut Sum,
     ) {
+        let Step { surface, under, motion: m, frame: f, dt, .. } = step;
         let mut body = Body {
             velocity: f.local(&m.velocity),
             rotation: f.local(&m.rotation),
             offset: 0.0,
             belt: self.belt,
-            dt,
+            dt: *dt,
             seen: f.up.z,
         };
-        let only = if let Under::Soil(number) = under { ground.soil(number) } else { None };
+        let only = if let Under::Soil(number) = under { ground.soil(*number) } else { None };
         let mut facet = Facet::of(surface.facet(m.hub.x, m.hub.y), f);
         let top = surface.ceiling(m.hub.x, m.hub.y, self.shape.reach).unwrap_or(f64::INFINITY);
         let mut field = Field { sinkage: [0.0; N], normal: self.shape.level.normal, fraction: [1.0; N] };
         for strip in 0..self.shape.strips {
             body.offset = self.shape.offset(strip);
             let origin = m.hub + m.axis * body.offset;
-            if !self.locate(simd, strip, surface, f, &origin, top, &mut facet, &mut field) {
+            if !self.locate(simd, strip, step, &origin, top, &mut facet, &mut field) {
                 self.lift_off(strip, &field);
                 continue;
             }
@@ -114,13 +125,13 @@ impl<const N: usize> Footprint<N> {
         &self,
         simd: S,
         strip: usize,
-        surface: &Heightfield,
-        f: &Frame,
+        step: &Step<'_>,
         origin: &V3,
         top: f64,
         facet: &mut Facet,
         field: &mut Field<N>,
     ) -> bool {
+        let Step { surface, frame: f, .. } = step;
         let all = |x: f64| f64x4::splat(simd, x);
         let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let (plastic, shape, zero) = (&self.plastic[strip], &self.shape, all(0.0));
@@ -192,6 +203,22 @@ impl<const N: usize> Footprint<N> {
         body: &Body,
         sum: &mut Sum,
     ) {
+        with_law!(&soil.shear, law => self.press_with(simd, strip, soil, law, field, body, sum));
+    }
+
+    /// [`Self::press_strip`] for the soil's law of shear.
+    #[allow(clippy::too_many_arguments, reason = "strip, soil and what comes of them")]
+    #[inline(always)]
+    fn press_with<S: Simd>(
+        &mut self,
+        simd: S,
+        strip: usize,
+        soil: &Soil,
+        shear: &impl ShearLaw,
+        field: &Field<N>,
+        body: &Body,
+        sum: &mut Sum,
+    ) {
         let all = |x: f64| f64x4::splat(simd, x);
         let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let zero = all(0.0);
@@ -212,7 +239,6 @@ impl<const N: usize> Footprint<N> {
         let (elastic_stiffness, compliance) = (all(soil.elastic), all(soil.compliance));
         let (damping, dt) = (all(soil.damping), all(body.dt));
         let (width, seen) = (all(shape.strip_width()), all(seen));
-        let (velocity, rotation) = (body.velocity, body.rotation);
         let belt = all(body.belt);
         let mut lanes = Lanes::new(simd);
         let mut bits: u64 = 0;
@@ -244,11 +270,8 @@ impl<const N: usize> Footprint<N> {
             let free = sinkage.simd_gt(zero).select(sinkage, zero);
             let pressed = mine.select(touching.select(deepest, free), load(pressed_row, g));
             store(pressed_row, g, pressed);
-            // Velocity of the rim.
             let (x, half) = (load(&shape.xs, g), load(&shape.half, g));
-            let vx = all(velocity.x - rotation.z * body.offset) - half * all(rotation.y);
-            let vy = all(velocity.y) + x * all(rotation.z) + half * all(rotation.x);
-            let mut vz = all(velocity.z + rotation.x * body.offset) - x * all(rotation.y);
+            let [vx, vy, mut vz] = body.rim_velocity(simd, x, half);
             if self.grip > 0.0 {
                 vz += load(&shape.rates, g);
             }
@@ -261,7 +284,7 @@ impl<const N: usize> Footprint<N> {
             let slip =
                 [(vx - n[0] * leaving) * t[0] + (vz - n[2] * leaving) * t[1] - belt, vy - n[1] * leaving];
             let before = [load(shear_rows[0], g), load(shear_rows[1], g)];
-            let (after, tangential) = soil.shear(simd, before, slip, pressure, body.dt);
+            let (after, tangential) = soil.sheared(simd, shear, before, slip, pressure, body.dt);
             for k in 0..2 {
                 let state = if self.grip > 0.0 {
                     held.select(after[k], zero)
@@ -278,42 +301,20 @@ impl<const N: usize> Footprint<N> {
             let along = tangential[0] * rim;
             let force =
                 [push * n[0] + along * t[0], push * n[1] + tangential[1] * rim, push * n[2] + along * t[1]];
-            lanes.pressure += push * n[0];
-            lanes.moment[0] += half * force[1];
-            lanes.moment[1] -= half * force[0] + x * force[2];
-            lanes.moment[2] += x * force[1];
-            for (total, part) in lanes.force.iter_mut().zip(&force) {
-                *total += *part;
-            }
             let stiffness = yields.select(zero, elastic_stiffness);
             let implicit = rim * dt * (damping + dt * stiffness);
-            let w = [implicit * n[0], implicit * n[1], implicit * n[2]];
-            let outer = [w[0] * n[0], w[0] * n[1], w[0] * n[2], w[1] * n[1], w[1] * n[2], w[2] * n[2]];
-            for (total, part) in lanes.inertia.iter_mut().zip(&outer) {
-                *total += *part;
-            }
+            lanes.pressure += push * n[0];
             lanes.displaced += (deeper - plastic) * area;
+            lanes.add(&force, [x, half], implicit, &n);
             bits |= contact.to_bitmask() << g;
             if let Some(stations) = &mut self.stations {
                 let depth = contact.select(sinkage, zero);
                 stations.add(simd, g, &force, along, body.offset, implicit, depth);
             }
         }
-        if bits == 0 {
-            return;
+        if bits != 0 {
+            lanes.gather(bits, body.offset, sum);
         }
-        let force = V3::new(total(lanes.force[0]), total(lanes.force[1]), total(lanes.force[2]));
-        let [mx, my, mz] = [total(lanes.moment[0]), total(lanes.moment[1]), total(lanes.moment[2])];
-        sum.force += force;
-        sum.pressure += total(lanes.pressure);
-        sum.moment += V3::new(mx + body.offset * force.z, my, mz - body.offset * force.x);
-        for (all, part) in sum.inertia.iter_mut().zip(&lanes.inertia) {
-            *all += total(*part);
-        }
-        sum.displaced += total(lanes.displaced);
-        sum.strips += 1;
-        let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
-        sum.span = Some(sum.span.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
     }
 }
 
@@ -331,6 +332,46 @@ impl<S: Simd> Lanes<S> {
     fn new(simd: S) -> Self {
         let zero = f64x4::splat(simd, 0.0);
         Self { force: [zero; 3], pressure: zero, moment: [zero; 3], inertia: [zero; 6], displaced: zero }
+    }
+
+    /// Adds a force on four stations `x` ahead of the hub and `half` below it, and the mass that its implicit treatment
+    /// adds along the normal.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        force: &[f64x4<S>; 3],
+        [x, half]: [f64x4<S>; 2],
+        implicit: f64x4<S>,
+        n: &[f64x4<S>; 3],
+    ) {
+        self.moment[0] += half * force[1];
+        self.moment[1] -= half * force[0] + x * force[2];
+        self.moment[2] += x * force[1];
+        for (total, part) in self.force.iter_mut().zip(force) {
+            *total += *part;
+        }
+        let w = [implicit * n[0], implicit * n[1], implicit * n[2]];
+        let outer = [w[0] * n[0], w[0] * n[1], w[0] * n[2], w[1] * n[1], w[1] * n[2], w[2] * n[2]];
+        for (total, part) in self.inertia.iter_mut().zip(&outer) {
+            *total += *part;
+        }
+    }
+
+    /// Adds the sums of a strip that is `offset` to the left of the middle and has contact at the stations of `bits`.
+    #[inline(always)]
+    fn gather(&self, bits: u64, offset: f64, sum: &mut Sum) {
+        let force = V3::new(total(self.force[0]), total(self.force[1]), total(self.force[2]));
+        let [mx, my, mz] = [total(self.moment[0]), total(self.moment[1]), total(self.moment[2])];
+        sum.force += force;
+        sum.pressure += total(self.pressure);
+        sum.moment += V3::new(mx + offset * force.z, my, mz - offset * force.x);
+        for (all, part) in sum.inertia.iter_mut().zip(&self.inertia) {
+            *all += total(*part);
+        }
+        sum.displaced += total(self.displaced);
+        sum.strips += 1;
+        let (first, last) = (bits.trailing_zeros() as usize, bits.ilog2() as usize);
+        sum.span = Some(sum.span.map_or((first, last), |(a, b)| (a.min(first), b.max(last))));
     }
 }
 

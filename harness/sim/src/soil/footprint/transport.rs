@@ -2,9 +2,8 @@
 
 use super::super::grid::Grid;
 use super::press::store;
-use super::{FIRST, Footprint, Frame, LANES, Row};
+use super::{FIRST, Footprint, LANES, Row, Step};
 use crate::V3;
-use crate::tyre::WheelMotion;
 use fearless_simd::{Simd, f64x4, prelude::*};
 
 /// Part of the grid's resolution by which a wheel slides before it looks at the ground beside it again.
@@ -17,14 +16,8 @@ const MOST_CELLS: usize = 1000;
 impl<const N: usize> Footprint<N> {
     /// Moves the states by upwind differences.
     #[inline(always)]
-    pub(super) fn transport<S: Simd>(
-        &mut self,
-        simd: S,
-        grid: &mut Grid,
-        m: &WheelMotion,
-        f: &Frame,
-        dt: f64,
-    ) {
+    pub(super) fn transport<S: Simd>(&mut self, simd: S, grid: &mut Grid, step: &Step<'_>) {
+        let Step { motion: m, frame: f, dt, .. } = step;
         let edge = self.shape.xs[Self::LAST];
         let one = f64x4::splat(simd, 1.0);
         for strip in 0..self.shape.strips {
@@ -66,14 +59,15 @@ impl<const N: usize> Footprint<N> {
         }
         let distance = m.velocity.dot(&m.axis) * dt;
         if distance.abs() > STILL * dt {
-            self.slide(simd, grid, m, f, distance);
+            self.slide(simd, grid, step, distance);
         }
     }
 
     /// Moves the states across the footprint of a wheel that slides to the left by `distance`. What lies beside the
     /// wheel is taken from and left to the grid every couple of millimetres.
     #[inline(always)]
-    fn slide<S: Simd>(&mut self, simd: S, grid: &mut Grid, m: &WheelMotion, f: &Frame, distance: f64) {
+    fn slide<S: Simd>(&mut self, simd: S, grid: &mut Grid, step: &Step<'_>, distance: f64) {
+        let Step { motion: m, frame: f, .. } = step;
         let (strips, width) = (self.shape.strips, self.shape.width);
         let strip = |i: usize| if distance > 0.0 { i } else { strips - 1 - i };
         let turned = self.aside * distance < 0.0;

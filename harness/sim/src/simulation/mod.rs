@@ -1,15 +1,20 @@
 //! One vehicle in one world, from the start pose on.
 
+mod place;
+#[cfg(feature = "rig")]
+mod rig;
+
+#[cfg(feature = "rig")]
+pub use rig::Rig;
+
 use crate::collision::{ChassisContacts, Footing, Obstacles, Surroundings};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
 use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
 use crate::state::{Controls, VehicleState};
-use crate::tyre::Envelope;
-use crate::{Quat, V3, normal_of};
+use crate::{V3, normal_of};
 use std::sync::Arc;
-use vb_math::atan;
 use vb_vehicle::{MAX_WHEELS, VehicleModel};
 use vb_world::{Pose2, World};
 
@@ -152,89 +157,6 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Sets the vehicle down as low as it goes without touching the ground, aligned with the ground under its wheels.
-    fn place(&mut self, start: Pose2) {
-        let ground = &self.world.heightfield;
-        let heading = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
-        let body = self.vehicle.body_mut();
-        body.q = heading;
-        body.x = V3::new(start.x, start.y, 0.0) - heading * self.reference;
-        let centre = body.x + heading * self.reference;
-        // Least squares of the ground's height over the wheels' positions in the vehicle's own axes.
-        let (mut sxx, mut syy, mut sxz, mut syz) = (0.0, 0.0, 0.0, 0.0);
-        let wheels: Vec<(V3, f64)> = self
-            .vehicle
-            .hubs()
-            .map(|(hub, _)| (heading.inverse() * (hub - centre), ground.height(hub.x, hub.y)))
-            .collect();
-        let count = wheels.len() as f64;
-        let middle = wheels.iter().map(|w| w.0).sum::<V3>() / count;
-        // Wheels that lie evenly about the reference point need no centring.
-        let even = middle.x.abs().max(middle.y.abs()) < 1e-6;
-        let (ox, oy, oz) = if even {
-            (0.0, 0.0, 0.0)
-        } else {
-            (middle.x, middle.y, wheels.iter().map(|w| w.1).sum::<f64>() / count)
-        };
-        for (p, z) in wheels {
-            let (p, z) = (V3::new(p.x - ox, p.y - oy, p.z), z - oz);
-            sxx += p.x * p.x;
-            syy += p.y * p.y;
-            sxz += p.x * z;
-            syz += p.y * z;
-        }
-        let pitch = Quat::from_axis_angle(&V3::y_axis(), -atan(sxz / sxx));
-        let roll = Quat::from_axis_angle(&V3::x_axis(), atan(syz / syy));
-        self.vehicle.body_mut().q = heading * pitch * roll;
-        let may_touch = self.height_for_wheels(start);
-        // From well above any ground nearby, down in steps of 1 cm of the full-size world.
-        let step = 0.01 * self.world.scale;
-        let (low, high) = ground.range();
-        let top = high + 3.0;
-        let mut z = top;
-        while z > low {
-            let below = V3::new(start.x, start.y, z - step) - self.vehicle.body().q * self.reference;
-            let before = std::mem::replace(&mut self.vehicle.body_mut().x, below);
-            if !self.is_free(below.z <= may_touch) {
-                self.vehicle.body_mut().x = before;
-                break;
-            }
-            z -= step;
-        }
-    }
-
-    /// Leaves the vehicle level in the air with its reference point `height` above the ground, whose height is read at the
-    /// place over `stretch`, or as much higher as it takes not to touch the ground.
-    fn place_above(&mut self, start: Pose2, height: f64, stretch: f64) {
-        let ground = &self.world.heightfield;
-        let (_, high) = ground.range();
-        self.vehicle.body_mut().q = Quat::from_axis_angle(&V3::z_axis(), start.yaw);
-        let mut z = ground.height(start.x / stretch, start.y / stretch) + height;
-        loop {
-            self.vehicle.body_mut().x = V3::new(start.x, start.y, z) - self.vehicle.body().q * self.reference;
-            if self.is_free(true) || z > high + height.max(3.0) {
-                break;
-            }
-            z += 0.01 * self.world.scale;
-        }
-    }
-
-    /// The height of the body above which no wheel comes near the ground with the vehicle turned as it is and its reference
-    /// point at this place, m: at the edge of the world infinite.
-    fn height_for_wheels(&self, place: Pose2) -> f64 {
-        let body = self.vehicle.body();
-        let at = V3::new(place.x, place.y, 0.0) - body.q * self.reference;
-        let wheels = self.vehicle.hubs().zip(self.vehicle.envelopes()).map(|((hub, _), envelope)| {
-            // However its axle is turned.
-            let radius = envelope.radius() + envelope.half_width();
-            let from_body = hub - body.x;
-            (radius - from_body.z, from_body.norm() + radius)
-        });
-        let (depth, reach) =
-            wheels.fold((0.0f64, 0.0f64), |(d, r), (depth, reach)| (d.max(depth), r.max(reach)));
-        self.world.heightfield.highest(at.x, at.y, reach) + depth + 0.1 * self.world.scale
-    }
-
     /// Tells the hull what is below it.
     fn pass_over_soil(&mut self) {
         let passes = self.chassis.passes_soil();
@@ -254,44 +176,7 @@ impl Simulation {
                 *stands = own_forces && (lean < STRAIGHT || face > FACE_NEAR * envelope.radius());
             }
         }
-        self.chassis.pass_over(passes && self.soil.soil_at(body.x.x, body.x.y).is_some(), stand);
-    }
-
-    /// Whether neither wheels nor hull touch the ground. Wheels that are known to be far above the ground needn't be looked at; the
-    /// hull, which remembers where it was clear, is always.
-    fn is_free(&mut self, wheels_are_low: bool) -> bool {
-        self.pass_over_soil();
-        let ground = &self.world.heightfield;
-        let mut wheels = self.vehicle.hubs().zip(self.vehicle.envelopes());
-        let touch = |((hub, axis), envelope): ((V3, V3), &Envelope)| {
-            hub.z < ground.height(hub.x, hub.y) || envelope.query(ground, &hub, &axis).is_some()
-        };
-        let touches = wheels_are_low && wheels.any(touch);
-        let margin = 0.02 * self.world.scale;
-        let body = self.vehicle.body();
-        !touches && !self.chassis.may_touch(ground, &self.obstacles, &body.x, &body.q, margin)
-    }
-
-    fn settle(&mut self) -> Result<(), SimError> {
-        let controls = Controls { brake: 1.0, ..Controls::default() };
-        let most = (self.options.settle_time / self.options.step) as u64;
-        let mut still = 0;
-        for _ in 0..most {
-            self.step(controls);
-            let body = self.vehicle.body();
-            let quiet = body.v.norm() < 0.01 && body.w.norm() < 0.01;
-            still = if quiet { still + 1 } else { 0 };
-            if still >= 100 {
-                break;
-            }
-        }
-        // A wheel that was put into a rock has been thrown out of it: energy that a start in a bad place gave.
-        self.energy = EnergyMonitor::new(self.vehicle.weight_and_radius());
-        self.vehicle.count_anew();
-        self.check()?;
-        self.steps = 0;
-        self.contact_steps = 0;
-        Ok(())
+        self.chassis.pass_over(passes && self.soil.soil_at(body.x_world.x, body.x_world.y).is_some(), stand);
     }
 
     fn step(&mut self, controls: Controls) {
@@ -319,17 +204,17 @@ impl Simulation {
         self.vehicle.accelerate(controls, &mut ground, dt);
         self.pass_over_soil();
         let body = self.vehicle.body();
-        self.chassis.is_known_clear(&self.obstacles, &body.x, &body.q, self.hull_margin())
+        self.chassis.is_known_clear(&self.obstacles, &body.x_world, &body.q, self.hull_margin())
     }
 
     /// Notes which obstacles and heaps hull, wheels and belts may come near to until the next look.
     fn look_around(&mut self) {
         let body = self.vehicle.body();
         let bound = self.chassis.bound().max(self.vehicle.bound());
-        let way = body.v.norm() * self.options.step * LOOK_AROUND as f64;
-        self.obstacles.look_around(&body.x, bound + AROUND + way);
+        let way = body.v_world.norm() * self.options.step * LOOK_AROUND as f64;
+        self.obstacles.look_around(&body.x_world, bound + AROUND + way);
         if !self.soil.is_empty() && !self.chassis.passes_soil() {
-            self.chassis.look_for_heaps(&self.soil, &body.x, &body.q);
+            self.chassis.look_for_heaps(&self.soil, &body.x_world, &body.q);
         }
     }
 
@@ -338,13 +223,13 @@ impl Simulation {
     #[must_use]
     pub fn look(&mut self) -> bool {
         let (margin, body) = (self.hull_margin(), self.vehicle.body());
-        self.chassis.may_touch(&self.world.heightfield, &self.obstacles, &body.x, &body.q, margin)
+        self.chassis.may_touch(&self.world.heightfield, &self.obstacles, &body.x_world, &body.q, margin)
     }
 
     /// How near the hull may be to something without touching it within this step, m.
     fn hull_margin(&self) -> f64 {
         let body = self.vehicle.body();
-        let way = (body.v.norm() + body.w.norm() * self.chassis.bound()) * self.options.step;
+        let way = (body.v_world.norm() + body.w_world.norm() * self.chassis.bound()) * self.options.step;
         HULL_NEAR * self.world.scale + way + self.chassis.heaps()
     }
 
@@ -354,7 +239,13 @@ impl Simulation {
         if near {
             let body = self.vehicle.body_mut();
             let footing = Footing { semantics: &self.world.semantics, soil: &self.soil };
-            self.chassis.resolve(&footing, &mut body.x, &mut body.q, &mut body.v, &mut body.w);
+            self.chassis.resolve(
+                &footing,
+                &mut body.x_world,
+                &mut body.q,
+                &mut body.v_world,
+                &mut body.w_world,
+            );
             self.contact_steps += 1;
         } else {
             self.vehicle.body_mut().move_on(self.options.step);
@@ -362,7 +253,7 @@ impl Simulation {
         self.steps += 1;
         if self.steps.is_multiple_of(self.look_at_energy) {
             // Beyond the edge the ground is made up.
-            let at = self.vehicle.body().x;
+            let at = self.vehicle.body().x_world;
             if self.world.heightfield.contains(at.x, at.y) {
                 self.energy.push(self.vehicle.energy_balance());
             } else {
@@ -409,19 +300,19 @@ impl Simulation {
         let finite = |a: &V3| a.iter().all(|x| x.is_finite());
         // Beyond the edge the ground is made up, and a vehicle may fall for as long as the rules let it.
         let ground = &self.world.heightfield;
-        let inside = ground.contains(body.x.x, body.x.y);
+        let inside = ground.contains(body.x_world.x, body.x_world.y);
         let deepest = DEEPEST * self.world.scale;
         let swallows = |hub: &V3| self.chassis.passes_soil() && self.soil.soil_at(hub.x, hub.y).is_some();
         let deep = |hub: &V3| {
             ground.contains(hub.x, hub.y) && ground.height(hub.x, hub.y) > hub.z + deepest && !swallows(hub)
         };
-        let what = if !finite(&body.x) || !body.q.coords.iter().all(|x| x.is_finite()) {
+        let what = if !finite(&body.x_world) || !body.q.coords.iter().all(|x| x.is_finite()) {
             "a pose that is not finite"
-        } else if !finite(&body.v) || !finite(&body.w) {
+        } else if !finite(&body.v_world) || !finite(&body.w_world) {
             "a velocity that is not finite"
         } else if !vehicle.inner_state().all(f64::is_finite) {
             "a wheel's state that is not finite"
-        } else if inside && (body.v.norm() > FASTEST || body.w.norm() > FASTEST) {
+        } else if inside && (body.v_world.norm() > FASTEST || body.w_world.norm() > FASTEST) {
             "a speed beyond 200 m/s or rad/s"
         } else if vehicle.hubs().any(|(hub, _)| deep(&hub)) {
             "a wheel deep below the ground"
@@ -444,10 +335,10 @@ impl Simulation {
             .collect();
         format!(
             "x {:?}, q {:?}, v {:?}, w {:?}, steering {:?}, wheels (spin, travel, load, sinkage) {}",
-            body.x.as_slice(),
+            body.x_world.as_slice(),
             body.q.coords.as_slice(),
-            body.v.as_slice(),
-            body.w.as_slice(),
+            body.v_world.as_slice(),
+            body.w_world.as_slice(),
             vehicle.steering(),
             wheels.join(" ")
         )
@@ -519,10 +410,10 @@ impl Simulation {
         let inverse = body.q.inverse();
         VehicleState {
             time: self.time(),
-            position: body.x + arm,
+            position: body.x_world + arm,
             attitude: body.q,
-            velocity: inverse * (body.v + body.w.cross(&arm)),
-            angular_velocity: inverse * body.w,
+            velocity_body: inverse * (body.v_world + body.w_world.cross(&arm)),
+            angular_velocity_body: inverse * body.w_world,
             wheels: (0..vehicle.wheel_count()).map(|i| vehicle.wheel(i)).collect(),
             steering: vehicle.steering(),
             gear: vehicle.gear(),
@@ -534,7 +425,7 @@ impl Simulation {
     #[must_use]
     pub fn velocity_of(&self, point: [f64; 3]) -> [f64; 3] {
         let body = self.vehicle.body();
-        (body.v + body.w.cross(&(body.q * (V3::from(point) + self.reference)))).into()
+        (body.v_world + body.w_world.cross(&(body.q * (V3::from(point) + self.reference)))).into()
     }
 
     /// A vector in world axes along the axes of the body.
@@ -561,72 +452,20 @@ impl Simulation {
         self.vehicle.drive_state()
     }
 
-    /// Turns the vehicle about its long axis by `roll` (rad, positive with the right side down) and lifts the centre of mass
-    /// of its chassis to `height` (m) above the ground under it, at rest: for tests of rollovers.
-    pub fn overturn(&mut self, roll: f64, height: f64) {
-        let body = self.vehicle.body_mut();
-        body.q *= Quat::from_axis_angle(&V3::x_axis(), roll);
-        body.x.z = self.world.heightfield.height(body.x.x, body.x.y) + height;
-        body.v = V3::zeros();
-        body.w = V3::zeros();
-        self.energy.forget();
-    }
-
-    /// Lifts the vehicle until its reference point is `height` (m) above the ground under it: level, at rest, with the
-    /// wheels at design height. It serves drops and free fall.
-    pub fn lift(&mut self, height: f64) {
-        let body = self.vehicle.body_mut();
-        let forward = body.q * V3::x();
-        body.q = Quat::from_axis_angle(&V3::z_axis(), vb_math::atan2(forward.y, forward.x));
-        body.x.z = self.world.heightfield.height(body.x.x, body.x.y) + height - (body.q * self.reference).z;
-        body.v = V3::zeros();
-        body.w = V3::zeros();
-        self.vehicle.reset_wheels();
-        self.energy.forget();
-    }
-
-    /// Gives the vehicle a velocity (m/s, world axes) as a whole, without turning; the wheels keep their spins. It
-    /// serves slides and trips.
-    pub fn throw(&mut self, velocity: [f64; 3]) {
-        self.vehicle.body_mut().v = V3::from(velocity);
-        self.vehicle.body_mut().w = V3::zeros();
-        self.energy.forget();
-    }
-
-    /// Puts the vehicle into a state: pose, velocities, speeds and travels of the wheels, steering, the speed of an engine
-    /// behind a converter, the direction that is in, and a forward gear (counted from 1, at most the highest). The wheels
-    /// don't move against the chassis, and nothing is remembered of the way there. It serves comparisons with records.
-    pub fn put(&mut self, state: &VehicleState, gear: usize) {
-        let body = self.vehicle.body_mut();
-        body.q = state.attitude;
-        let arm = body.q * self.reference;
-        body.x = state.position - arm;
-        body.w = body.q * state.angular_velocity;
-        body.v = body.q * state.velocity - body.w.cross(&arm);
-        self.vehicle.reset_wheels();
-        self.vehicle.put_wheels(state, gear);
-        self.energy.forget();
-    }
-
-    /// Sets the acceleration of gravity, m/s² in world axes, as a tilt table does. It is (0, 0,
-    /// −[`vb_vehicle::GRAVITY`]) at first. It is not part of [`Self::visit_state`]: whoever changes it does so again in
-    /// a repeated run.
-    pub fn set_gravity(&mut self, gravity: [f64; 3]) {
-        self.vehicle.gravity = V3::from(gravity);
-        self.energy.forget();
-    }
-
-    /// Feeds the state of the vehicle into `sink`, in a fixed order: its pose, its velocities, and the states of its wheels,
-    /// footprints, tracks and driveline. Ruts that it has left are not in it; two drives whose ruts differ differ in it as
-    /// soon as a wheel meets one.
+    /// Feeds the state of the vehicle into `sink`, in a fixed order: its pose, its velocities, the states of its wheels,
+    /// footprints, tracks and driveline, and a gravity that a test rig has changed. Ruts that it has left are not in it;
+    /// two drives whose ruts differ differ in it as soon as a wheel meets one.
     pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
         let (vehicle, body) = (&self.vehicle, self.vehicle.body());
-        body.x
+        body.x_world
             .iter()
             .chain(body.q.coords.iter())
-            .chain(body.v.iter())
-            .chain(body.w.iter())
+            .chain(body.v_world.iter())
+            .chain(body.w_world.iter())
             .for_each(|&x| sink(x));
-        vehicle.inner_state().for_each(sink);
+        vehicle.inner_state().for_each(&mut sink);
+        if vehicle.gravity_world != Vehicle::GRAVITY {
+            vehicle.gravity_world.iter().for_each(|&x| sink(x));
+        }
     }
 }
