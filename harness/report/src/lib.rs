@@ -33,7 +33,7 @@ pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::{Beside, Report};
 pub use robustness::{Line, Point, Robustness};
-pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
+pub use runs::{Row, Run, Runs, WorldLabels, one_line};
 pub use sweep::{Sweep, SweepRow};
 pub use table::{write_csv, write_parquet};
 pub use verdict::{LEVEL, Verdict};

@@ -338,8 +338,8 @@ fn columns(row: &SweepRow) -> Vec<(String, String)> {
     }
     let more: [(&str, String); 4] = [
         ("time_mean_s", figure(|a| a.time_mean_s)),
-        ("roll_task_mean_deg", figure(|a| a.roll_task_mean_deg)),
-        ("pitch_task_mean_deg", figure(|a| a.pitch_task_mean_deg)),
+        ("roll_task_mean_deg", figure(|a| a.metrics.roll_task_mean_deg)),
+        ("pitch_task_mean_deg", figure(|a| a.metrics.pitch_task_mean_deg)),
         ("plugin_sha256", row.summary.plugin_sha256.clone()),
     ];
     columns.extend(more.map(|(name, value)| (name.to_owned(), value)));

@@ -147,8 +147,8 @@ fn told(report: &Report, w: &Way<'_>) -> String {
     let outcome = w.row.outcome.name().replace('_', " ");
     let note = if w.row.note.is_empty() { String::new() } else { format!(": {}", w.row.note) };
     let label = &report.runs.runs[w.run].label;
-    let place = match (w.points.is_empty(), w.row.measures) {
-        (true, Some(m)) => format!(", {} m from the goal", number(m.goal_distance, 1)),
+    let place = match (w.points.is_empty(), w.row.metrics) {
+        (true, Some(m)) => format!(", {} m from the goal", number(m.goal_distance_end_m, 1)),
         _ => String::new(),
     };
     format!("{label}, {}: {outcome} after {} s{place}{note}", w.row.task, number(w.row.time, 1))
