@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_score::{Flag, Group, Outcome, Summary, TableRow, table};
 
-use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::sample;
+use crate::drawing::{DRAWING_STYLE, PAGE_STYLE};
 use crate::figures::{Figures, Measure};
 use crate::markdown::{mean, text};
 use crate::page;
@@ -255,7 +255,7 @@ impl Sweep {
         }
         Page {
             title: &self.name,
-            styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE],
+            styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE],
             body: &format!("<header>{head}</header><main>{s}</main>"),
             script: SORTED_TABLES,
             ..Page::default()

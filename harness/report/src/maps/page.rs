@@ -9,9 +9,8 @@ use vb_map::Sources;
 
 use super::{MAP_SIDE, MapLinks, Way, WorldMap};
 use crate::Report;
-use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::{colour, marker, sample};
-use crate::page;
+use crate::drawing::{DRAWING_STYLE, PAGE_STYLE};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -51,7 +50,7 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
     let title = format!("{} on {}", world.id, report.runs.scope());
     Page {
         title: &title,
-        styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE, vb_map::STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE, vb_map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,
