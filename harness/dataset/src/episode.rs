@@ -13,6 +13,9 @@ use crate::values::shown;
 /// The greatest length, coordinate or time that an episode may have, m or s.
 const FARTHEST: f64 = 1e9;
 
+/// The outcome of an episode that its driver ended before the rules did.
+pub const ENDED: &str = "ended";
+
 /// What is said of an episode as a whole. Each field is a column of `meta/episodes`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
@@ -67,8 +70,7 @@ impl EpisodeInfo {
             let odd = values.iter().find(|v| !(low..=high).contains(*v))?;
             Some(format!("{field}: {} must lie in {} to {}", shown(*odd), shown(low), shown(high)))
         };
-        let outcomes: Vec<&str> =
-            vb_score::Outcome::ALL.iter().map(|o| o.name()).chain([crate::make::ENDED]).collect();
+        let outcomes: Vec<&str> = vb_score::Outcome::ALL.iter().map(|o| o.name()).chain([ENDED]).collect();
         let causes: Vec<&str> = vb_score::Cause::ALL.iter().map(|c| c.name()).collect();
         named("outcome", &self.outcome, &outcomes)
             .or_else(|| named("cause", &self.cause, &causes))

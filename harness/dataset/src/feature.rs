@@ -31,7 +31,7 @@ impl Dtype {
 }
 
 /// A column of a dataset.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Feature {
     pub name: &'static str,
     pub dtype: Dtype,
@@ -58,23 +58,46 @@ impl Feature {
     }
 }
 
-/// How a column's values follow from a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The function that appends a frame's values to those of a column, and with it their type.
+#[derive(Clone, Copy, Debug)]
 enum Fill {
-    State,
-    Wheels,
-    Goal,
-    HeightCrop,
-    ClassCrop,
-    FrictionCrop,
-    Action,
-    Speed,
-    Applied,
-    TrueState,
-    TrueWheels,
-    Ground,
-    Done,
-    Success,
+    F32(fn(&Frame<'_>, &Feature, &mut Vec<f32>)),
+    I64(fn(&Frame<'_>) -> i64),
+    U8(fn(&Frame<'_>, &Feature, &mut Vec<u8>)),
+    Bool(fn(&Frame<'_>) -> bool),
+}
+
+impl Fill {
+    fn dtype(self) -> Dtype {
+        match self {
+            Self::F32(_) => Dtype::F32,
+            Self::I64(_) => Dtype::I64,
+            Self::U8(_) => Dtype::U8,
+            Self::Bool(_) => Dtype::Bool,
+        }
+    }
+}
+
+/// The shape of a frame's value, with the names of its entries.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    One,
+    Vector(&'static [&'static str]),
+    /// Entries of each wheel, front to back, left before right.
+    PerWheel([&'static str; 2]),
+    /// A crop of a map.
+    Crop,
+}
+
+/// A column that datasets can have.
+struct Column {
+    name: &'static str,
+    /// See [`Feature::about`].
+    about: &'static str,
+    shape: Shape,
+    /// Whether datasets of a layout have it.
+    is_there: fn(&Layout) -> bool,
+    fill: Fill,
 }
 
 /// What decides which columns there are.
@@ -93,10 +116,6 @@ pub struct Layout {
 
 /// The side of a crop at scale 1, m.
 pub const CROP_SIDE: f64 = 16.0;
-
-fn named(names: &[&str]) -> Vec<String> {
-    names.iter().map(|n| (*n).to_owned()).collect()
-}
 
 /// The state's entries, as an observation has them.
 const STATE: [&str; 15] = [
@@ -117,162 +136,131 @@ const STATE: [&str; 15] = [
     "gear",
 ];
 
+/// The entries of a command.
+const CONTROLS: [&str; 4] = ["steering", "throttle", "brake", "gear"];
+
+/// All columns, in the order of the file.
+const COLUMNS: [Column; 14] = [
+    Column {
+        name: "observation.state",
+        about: "What the driver was told of the vehicle: position of the reference point in the world (x east, y north, z up), roll (positive right side down), pitch (positive nose down), yaw, velocity and angular velocity in body axes (x forward, y left, z up), the steering that the wheels have, in [-1, 1], positive to the left, the engine's speed, and the gear that is in (-1 reverse, 0 neutral, 1 forward)",
+        shape: Shape::Vector(&STATE),
+        is_there: |_| true,
+        fill: Fill::F32(seen_state),
+    },
+    Column {
+        name: "observation.wheels",
+        about: "Of each wheel, front to back, left before right: angular velocity about its axle, and suspension travel, positive in compression",
+        shape: Shape::PerWheel(["spin_rad_per_s", "travel_m"]),
+        is_there: |_| true,
+        fill: Fill::F32(seen_wheels),
+    },
+    Column {
+        name: "observation.goal",
+        about: "The goal, as seen from the vehicle along its heading",
+        shape: Shape::Vector(&["forward_m", "left_m"]),
+        is_there: |of| of.goal,
+        fill: Fill::F32(goal),
+    },
+    Column {
+        name: "observation.height_crop",
+        about: "Heights of the ground on a square of 16 m (times the world's scale) that turns with the vehicle's heading, less the height under its reference point, m; row 0 is the rearmost, column 0 the rightmost",
+        shape: Shape::Crop,
+        is_there: |of| of.crops > 0,
+        fill: Fill::F32(heights),
+    },
+    Column {
+        name: "observation.class_crop",
+        about: "The kinds of ground there: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow, 10 obstacle, 255 beyond the world",
+        shape: Shape::Crop,
+        is_there: |of| of.crops > 0,
+        fill: Fill::U8(classes),
+    },
+    Column {
+        name: "observation.friction_crop",
+        about: "The friction coefficient of the ground there; 0 where it yields and beyond the world",
+        shape: Shape::Crop,
+        is_there: |of| of.crops > 0,
+        fill: Fill::F32(frictions),
+    },
+    Column {
+        name: "action",
+        about: "What the driver commanded, within range: steering in [-1, 1], positive to the left, throttle and brake in [0, 1], gear (-1 reverse, 0 neutral, 1 forward); it holds until the next command",
+        shape: Shape::Vector(&CONTROLS),
+        is_there: |_| true,
+        fill: Fill::F32(given),
+    },
+    Column {
+        name: "action.speed",
+        about: "The forward speed that the driver aims at, negative in reverse",
+        shape: Shape::Vector(&["speed_m_per_s"]),
+        is_there: |of| of.speed,
+        fill: Fill::F32(|frame, _, to| put(to, [frame.speed])),
+    },
+    Column {
+        name: "action.applied",
+        about: "What became of the command until the next frame: the mean of the steering that the wheels had, throttle and brake within their range, and the gear that was in at the end",
+        shape: Shape::Vector(&CONTROLS),
+        is_there: |_| true,
+        fill: Fill::F32(applied),
+    },
+    Column {
+        name: "truth.state",
+        about: "The entries of observation.state as they are in truth",
+        shape: Shape::Vector(&STATE),
+        is_there: |of| of.truth,
+        fill: Fill::F32(true_state),
+    },
+    Column {
+        name: "truth.wheels",
+        about: "Of each wheel: normal force of ground and obstacles, and depth in soil",
+        shape: Shape::PerWheel(["load_N", "sinkage_m"]),
+        is_there: |_| true,
+        fill: Fill::F32(true_wheels),
+    },
+    Column {
+        name: "truth.ground",
+        about: "The kind of ground under the reference point: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow",
+        shape: Shape::One,
+        is_there: |_| true,
+        fill: Fill::I64(|frame| frame.ground.class(frame.state)),
+    },
+    Column {
+        name: "next.done",
+        about: "Whether this is the last frame of its episode",
+        shape: Shape::One,
+        is_there: |_| true,
+        fill: Fill::Bool(|frame| frame.is_last),
+    },
+    Column {
+        name: "next.success",
+        about: "Whether the episode ends with this frame, at its goal",
+        shape: Shape::One,
+        is_there: |_| true,
+        fill: Fill::Bool(|frame| frame.succeeds),
+    },
+];
+
 impl Layout {
     /// The columns, in the order of the file. Those that every dataset of LeRobot has (`timestamp`, `frame_index`,
     /// `episode_index`, `index`, `task_index`) come besides.
     #[must_use]
     pub fn features(&self) -> Vec<Feature> {
-        let vector = |name, names: Vec<String>, about, fill| Feature {
-            name,
-            dtype: Dtype::F32,
-            shape: vec![names.len()],
-            names,
-            about,
-            fill,
+        let feature = |column: &Column| {
+            let named = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+            let (shape, names) = match column.shape {
+                Shape::One => (vec![1], Vec::new()),
+                Shape::Vector(names) => (vec![names.len()], named(names)),
+                Shape::PerWheel(names) => {
+                    let of = |w| names.map(|name| format!("wheel{w}_{name}"));
+                    (vec![names.len() * self.wheels], (0..self.wheels).flat_map(of).collect())
+                }
+                Shape::Crop => (vec![self.crops, self.crops], Vec::new()),
+            };
+            let Column { name, about, fill, .. } = *column;
+            Feature { name, dtype: fill.dtype(), shape, names, about, fill }
         };
-        let one = |name, dtype, about, fill| Feature {
-            name,
-            dtype,
-            shape: vec![1],
-            names: Vec::new(),
-            about,
-            fill,
-        };
-        let per_wheel = |what: [&str; 2]| -> Vec<String> {
-            (0..self.wheels).flat_map(|w| what.map(|text| format!("wheel{w}_{text}"))).collect()
-        };
-        let grid = |name, dtype, about, fill| Feature {
-            name,
-            dtype,
-            shape: vec![self.crops, self.crops],
-            names: Vec::new(),
-            about,
-            fill,
-        };
-        let all = [
-            (
-                true,
-                vector(
-                    "observation.state",
-                    named(&STATE),
-                    "What the driver was told of the vehicle: position of the reference point in the world (x east, y north, z up), roll (positive right side down), pitch (positive nose down), yaw, velocity and angular velocity in body axes (x forward, y left, z up), the steering that the wheels have, in [-1, 1], positive to the left, the engine's speed, and the gear that is in (-1 reverse, 0 neutral, 1 forward)",
-                    Fill::State,
-                ),
-            ),
-            (
-                true,
-                vector(
-                    "observation.wheels",
-                    per_wheel(["spin_rad_per_s", "travel_m"]),
-                    "Of each wheel, front to back, left before right: angular velocity about its axle, and suspension travel, positive in compression",
-                    Fill::Wheels,
-                ),
-            ),
-            (
-                self.goal,
-                vector(
-                    "observation.goal",
-                    named(&["forward_m", "left_m"]),
-                    "The goal, as seen from the vehicle along its heading",
-                    Fill::Goal,
-                ),
-            ),
-            (
-                self.crops > 0,
-                grid(
-                    "observation.height_crop",
-                    Dtype::F32,
-                    "Heights of the ground on a square of 16 m (times the world's scale) that turns with the vehicle's heading, less the height under its reference point, m; row 0 is the rearmost, column 0 the rightmost",
-                    Fill::HeightCrop,
-                ),
-            ),
-            (
-                self.crops > 0,
-                grid(
-                    "observation.class_crop",
-                    Dtype::U8,
-                    "The kinds of ground there: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow, 10 obstacle, 255 beyond the world",
-                    Fill::ClassCrop,
-                ),
-            ),
-            (
-                self.crops > 0,
-                grid(
-                    "observation.friction_crop",
-                    Dtype::F32,
-                    "The friction coefficient of the ground there; 0 where it yields and beyond the world",
-                    Fill::FrictionCrop,
-                ),
-            ),
-            (
-                true,
-                vector(
-                    "action",
-                    named(&["steering", "throttle", "brake", "gear"]),
-                    "What the driver commanded, within range: steering in [-1, 1], positive to the left, throttle and brake in [0, 1], gear (-1 reverse, 0 neutral, 1 forward); it holds until the next command",
-                    Fill::Action,
-                ),
-            ),
-            (
-                self.speed,
-                vector(
-                    "action.speed",
-                    named(&["speed_m_per_s"]),
-                    "The forward speed that the driver aims at, negative in reverse",
-                    Fill::Speed,
-                ),
-            ),
-            (
-                true,
-                vector(
-                    "action.applied",
-                    named(&["steering", "throttle", "brake", "gear"]),
-                    "What became of the command until the next frame: the mean of the steering that the wheels had, throttle and brake within their range, and the gear that was in at the end",
-                    Fill::Applied,
-                ),
-            ),
-            (
-                self.truth,
-                vector(
-                    "truth.state",
-                    named(&STATE),
-                    "The entries of observation.state as they are in truth",
-                    Fill::TrueState,
-                ),
-            ),
-            (
-                true,
-                vector(
-                    "truth.wheels",
-                    per_wheel(["load_N", "sinkage_m"]),
-                    "Of each wheel: normal force of ground and obstacles, and depth in soil",
-                    Fill::TrueWheels,
-                ),
-            ),
-            (
-                true,
-                one(
-                    "truth.ground",
-                    Dtype::I64,
-                    "The kind of ground under the reference point: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow",
-                    Fill::Ground,
-                ),
-            ),
-            (
-                true,
-                one("next.done", Dtype::Bool, "Whether this is the last frame of its episode", Fill::Done),
-            ),
-            (
-                true,
-                one(
-                    "next.success",
-                    Dtype::Bool,
-                    "Whether the episode ends with this frame, at its goal",
-                    Fill::Success,
-                ),
-            ),
-        ];
-        all.into_iter().filter(|(is_there, _)| *is_there).map(|(_, feature)| feature).collect()
+        COLUMNS.iter().filter(|column| (column.is_there)(self)).map(feature).collect()
     }
 
     /// The bytes of a frame before compression.
@@ -359,20 +347,28 @@ impl Values {
         }
     }
 
-    /// Appends some of the values of another column of the same kind; of another kind, none.
+    /// The type of the values.
+    #[must_use]
+    pub fn dtype(&self) -> Dtype {
+        match self {
+            Self::F32(_) => Dtype::F32,
+            Self::I64(_) => Dtype::I64,
+            Self::U8(_) => Dtype::U8,
+            Self::Bool(_) => Dtype::Bool,
+        }
+    }
+
+    /// Appends some of the values of another column.
+    ///
+    /// # Panics
+    /// Panics if these are of another type, or fewer.
     pub fn append(&mut self, other: &Self, range: std::ops::Range<usize>) {
         match (self, other) {
             (Self::F32(to), Self::F32(from)) => to.extend_from_slice(&from[range]),
             (Self::I64(to), Self::I64(from)) => to.extend_from_slice(&from[range]),
             (Self::U8(to), Self::U8(from)) => to.extend_from_slice(&from[range]),
             (Self::Bool(to), Self::Bool(from)) => to.extend_from_slice(&from[range]),
-            _ => {}
-        }
-    }
-
-    fn f32(&mut self, values: impl IntoIterator<Item = f64>) {
-        if let Self::F32(to) = self {
-            to.extend(values.into_iter().map(|x| x as f32));
+            (to, from) => panic!("{} values to a column of {}", from.dtype().name(), to.dtype().name()),
         }
     }
 }
@@ -400,78 +396,17 @@ const BEYOND: u8 = 255;
 
 impl Feature {
     /// Appends a frame's values.
+    ///
+    /// # Panics
+    /// Panics if the column is of another type.
     pub(crate) fn push(&self, frame: &Frame<'_>, to: &mut Values) {
-        let (state, seen) = (frame.state, frame.observation);
-        match self.fill {
-            Fill::State => {
-                let p = seen.pose.unwrap_or_default();
-                to.f32([p.position.x, p.position.y, p.position.z, p.roll, p.pitch, p.yaw]);
-                to.f32([p.linear_velocity, p.angular_velocity].into_iter().flat_map(|v| [v.x, v.y, v.z]));
-                to.f32([seen.steering, seen.engine_speed, given_gear(seen.gear)]);
-            }
-            Fill::Wheels => {
-                to.f32(seen.wheels.iter().flat_map(|w| [w.spin, w.travel]));
-                // A driver that doesn't ask for the wheels sees none.
-                let missing = self.width() - 2 * seen.wheels.len().min(self.width() / 2);
-                to.f32(std::iter::repeat_n(0.0, missing));
-            }
-            Fill::Goal => {
-                let p = seen.pose.unwrap_or_default();
-                let (sin, cos) = vb_math::sin_cos(p.yaw);
-                let (dx, dy) = (frame.goal[0] - p.position.x, frame.goal[1] - p.position.y);
-                to.f32([cos * dx + sin * dy, cos * dy - sin * dx]);
-            }
-            Fill::HeightCrop => {
-                let ground = &frame.ground.world.heightfield;
-                let under = ground.height(state.position.x, state.position.y);
-                to.f32(self.places(frame).map(|[x, y]| ground.height(x, y) - under));
-            }
-            Fill::ClassCrop => {
-                if let Values::U8(to) = to {
-                    to.extend(self.places(frame).map(|at| frame.ground.label(at)));
-                }
-            }
-            Fill::FrictionCrop => {
-                let world = &frame.ground.world;
-                let friction = |[x, y]: [f64; 2]| {
-                    if world.heightfield.contains(x, y) { world.friction_at(x, y) } else { 0.0 }
-                };
-                to.f32(self.places(frame).map(friction));
-            }
-            Fill::Action => {
-                let c = frame.given;
-                // As the vehicle takes it: what is out of range counts as the end of the range.
-                let (steering, [throttle, brake]) =
-                    (c.steering.clamp(-1.0, 1.0), [c.throttle, c.brake].map(|v| v.clamp(0.0, 1.0)));
-                to.f32([steering, throttle, brake, given_gear(c.gear)]);
-            }
-            Fill::Speed => to.f32([frame.speed]),
-            Fill::Applied => {
-                let c = frame.taken;
-                to.f32([frame.steering, c.throttle, c.brake, gear(frame.gear_after)]);
-            }
-            Fill::TrueState => {
-                let (roll, pitch, yaw) = state.roll_pitch_yaw();
-                let (p, v, w) = (state.position, state.velocity_body, state.angular_velocity_body);
-                to.f32([p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
-                to.f32([state.steering, state.engine_speed, gear(state.gear)]);
-            }
-            Fill::TrueWheels => to.f32(state.wheels.iter().flat_map(|w| [w.load, w.sinkage])),
-            Fill::Ground => {
-                if let Values::I64(to) = to {
-                    let class = frame.ground.world.class_at(state.position.x, state.position.y);
-                    to.push(i64::from(class.label()));
-                }
-            }
-            Fill::Done => {
-                if let Values::Bool(to) = to {
-                    to.push(frame.is_last);
-                }
-            }
-            Fill::Success => {
-                if let Values::Bool(to) = to {
-                    to.push(frame.succeeds);
-                }
+        match (self.fill, to) {
+            (Fill::F32(fill), Values::F32(to)) => fill(frame, self, to),
+            (Fill::I64(fill), Values::I64(to)) => to.push(fill(frame)),
+            (Fill::U8(fill), Values::U8(to)) => fill(frame, self, to),
+            (Fill::Bool(fill), Values::Bool(to)) => to.push(fill(frame)),
+            (_, to) => {
+                panic!("{}: {} values to a column of {}", self.name, self.dtype.name(), to.dtype().name())
             }
         }
     }
@@ -491,6 +426,74 @@ impl Feature {
     }
 }
 
+fn put(to: &mut Vec<f32>, values: impl IntoIterator<Item = f64>) {
+    to.extend(values.into_iter().map(|x| x as f32));
+}
+
+fn seen_state(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    let seen = frame.observation;
+    let p = seen.pose.unwrap_or_default();
+    put(to, [p.position.x, p.position.y, p.position.z, p.roll, p.pitch, p.yaw]);
+    put(to, [p.linear_velocity, p.angular_velocity].into_iter().flat_map(|v| [v.x, v.y, v.z]));
+    put(to, [seen.steering, seen.engine_speed, given_gear(seen.gear)]);
+}
+
+fn seen_wheels(frame: &Frame<'_>, feature: &Feature, to: &mut Vec<f32>) {
+    let wheels = &frame.observation.wheels;
+    put(to, wheels.iter().flat_map(|w| [w.spin, w.travel]));
+    // A driver that doesn't ask for the wheels sees none.
+    let missing = feature.width() - 2 * wheels.len().min(feature.width() / 2);
+    put(to, std::iter::repeat_n(0.0, missing));
+}
+
+fn goal(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    let p = frame.observation.pose.unwrap_or_default();
+    let (sin, cos) = vb_math::sin_cos(p.yaw);
+    let (dx, dy) = (frame.goal[0] - p.position.x, frame.goal[1] - p.position.y);
+    put(to, [cos * dx + sin * dy, cos * dy - sin * dx]);
+}
+
+fn heights(frame: &Frame<'_>, feature: &Feature, to: &mut Vec<f32>) {
+    let ground = &frame.ground.world.heightfield;
+    let under = ground.height(frame.state.position.x, frame.state.position.y);
+    put(to, feature.places(frame).map(|[x, y]| ground.height(x, y) - under));
+}
+
+fn classes(frame: &Frame<'_>, feature: &Feature, to: &mut Vec<u8>) {
+    to.extend(feature.places(frame).map(|at| frame.ground.label(at)));
+}
+
+fn frictions(frame: &Frame<'_>, feature: &Feature, to: &mut Vec<f32>) {
+    let world = &frame.ground.world;
+    let friction =
+        |[x, y]: [f64; 2]| if world.heightfield.contains(x, y) { world.friction_at(x, y) } else { 0.0 };
+    put(to, feature.places(frame).map(friction));
+}
+
+fn given(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    let c = frame.given;
+    // As the vehicle takes it: what is out of range counts as the end of the range.
+    let [throttle, brake] = [c.throttle, c.brake].map(|v| v.clamp(0.0, 1.0));
+    put(to, [c.steering.clamp(-1.0, 1.0), throttle, brake, given_gear(c.gear)]);
+}
+
+fn applied(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    let c = frame.taken;
+    put(to, [frame.steering, c.throttle, c.brake, gear(frame.gear_after)]);
+}
+
+fn true_state(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    let state = frame.state;
+    let (roll, pitch, yaw) = state.roll_pitch_yaw();
+    let (p, v, w) = (state.position, state.velocity_body, state.angular_velocity_body);
+    put(to, [p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
+    put(to, [state.steering, state.engine_speed, gear(state.gear)]);
+}
+
+fn true_wheels(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
+    put(to, frame.state.wheels.iter().flat_map(|w| [w.load, w.sinkage]));
+}
+
 /// A world, with the outlines of its obstacles.
 #[derive(Clone, Debug)]
 pub(crate) struct Ground {
@@ -508,6 +511,11 @@ impl Ground {
     pub(crate) fn clearance(&self, at: [f64; 2]) -> f64 {
         let distance = |o: &Vec<[f64; 2]>| vb_world::geometry::point_to_polygon(at, o);
         self.outlines.iter().map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The label of the terrain class under a vehicle.
+    fn class(&self, state: &VehicleState) -> i64 {
+        i64::from(self.world.class_at(state.position.x, state.position.y).label())
     }
 
     fn label(&self, [x, y]: [f64; 2]) -> u8 {

@@ -47,6 +47,24 @@ impl Kind {
     }
 }
 
+/// The format of a dataset's files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// LeRobot's, version 3.0.
+    #[default]
+    LeRobot,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 1] = [Self::LeRobot];
+
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannerHeader {
     pub name: String,
@@ -62,6 +80,9 @@ pub struct PlannerHeader {
 pub struct Header {
     /// The version of the layout, [`DATASET_SCHEMA`].
     pub schema: u32,
+    /// The format of the files with frames and episodes; the default is left out.
+    #[serde(default, skip_serializing_if = "Format::is_default")]
+    pub format: Format,
     pub name: String,
     pub kind: Kind,
     /// The licence, as SPDX names it.

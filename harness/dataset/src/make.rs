@@ -14,16 +14,13 @@ use vb_sim::{Controls, SAMPLE_PERIOD, Simulation, VehicleState};
 use vb_trial::{Driver, Keep, Place, Setting, TrialResult, Wants, Witness};
 use vb_world::{Suite, Task, TaskRef};
 
-use crate::episode::{Episode, EpisodeInfo, Recorder};
+use crate::episode::{ENDED, Episode, EpisodeInfo, Recorder};
 use crate::error::DatasetError;
 use crate::explore::{Exploration, Explorer, random_start};
 use crate::feature::{Feature, Ground};
 use crate::ordered::ordered;
 use crate::playback::Playback;
 use crate::writer::DatasetWriter;
-
-/// The outcome of an episode that its driver ended before the rules did.
-pub const ENDED: &str = "ended";
 
 /// Worlds that are kept in memory, beside those that threads use: episodes of exploration go from one world to the next.
 const IN_MEMORY: usize = 24;

@@ -7,8 +7,9 @@ use vb_world::Suite;
 use crate::episode::{Episode, EpisodeInfo};
 use crate::error::DatasetError;
 use crate::feature::{Feature, Values};
-use crate::header::{DATASET_SCHEMA, Header};
-use crate::lerobot::{Batch, Row, data_path, episodes_path, read_data, read_episodes};
+use crate::format::{Batch, Files, Row};
+use crate::formats;
+use crate::header::{DATASET_SCHEMA, Format, Header};
 use crate::sums::{Flaw, SUMS, Sums, hash_file, must_be_whole};
 use crate::values;
 
@@ -22,7 +23,7 @@ pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
     let path = dir.join(HEADER);
     if !path.is_file() {
         let dir = dir.to_owned();
-        return Err(if dir.join("meta/info.json").is_file() {
+        return Err(if Format::ALL.into_iter().any(|format| formats::files(format).are_in(&dir)) {
             DatasetError::Foreign { dir }
         } else {
             DatasetError::Missing { dir }
@@ -60,10 +61,11 @@ impl Dataset {
     /// Returns an error if there is none, it isn't finished, or what tells of its episodes can't be read.
     pub fn open(dir: &Path) -> Result<Self, DatasetError> {
         let header = finished_header(dir)?;
+        let format = formats::files(header.format);
         let sums = Sums::read(dir, SUMS)?;
         let mut rows = Vec::new();
         for number in 0.. {
-            let file = episodes_path(number);
+            let file = format.episodes_path(number);
             let path = dir.join(&file);
             if !path.is_file() {
                 // Files are numbered without gaps: one that is lost must not look like the end.
@@ -72,7 +74,7 @@ impl Dataset {
                 }
                 break;
             }
-            for row in read_episodes(&path)? {
+            for row in format.read_episodes(&path)? {
                 let first = rows.last().map_or(0, |last: &Row| last.place.to);
                 if let Some(flaw) = row.flaw(rows.len(), first, number) {
                     return Err(DatasetError::damaged(&path, &flaw));
@@ -119,6 +121,11 @@ impl Dataset {
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// The files of its format.
+    pub(crate) fn format(&self) -> &'static dyn Files {
+        formats::files(self.header.format)
     }
 
     /// The columns of each frame.
@@ -187,11 +194,11 @@ impl Dataset {
     }
 
     fn episode(&self, row: &Row, open: &mut Option<(usize, Batch, usize)>) -> Result<Episode, DatasetError> {
-        let path = self.dir.join(data_path(row.place.file));
+        let path = self.dir.join(self.format().data_path(row.place.file));
         let (batch, first) = match open {
             Some((file, batch, first)) if *file == row.place.file => (batch, *first),
             _ => {
-                let batch = read_data(&path, &self.features)?;
+                let batch = self.format().read_data(&path, &self.features)?;
                 // Those before it in the file come first, whether they are asked for or not.
                 let first = self.rows.partition_point(|r| r.place.file < row.place.file);
                 let (_, batch, first) = open.insert((row.place.file, batch, self.rows[first].place.from));

@@ -6,7 +6,7 @@ use std::path::Path;
 use vb_world::Suite;
 
 use crate::error::DatasetError;
-use crate::lerobot::{Batch, Place, data_path, read_data};
+use crate::format::{Batch, Place};
 use crate::make::keep_apart;
 use crate::reader::{Dataset, finished_header};
 use crate::sums::{SUMS, Sums};
@@ -50,15 +50,8 @@ pub fn validate(dir: &Path, suites: &[Suite]) -> Result<Findings, DatasetError> 
     };
     let worlds = worlds(&dataset, suites, &mut findings);
     episodes(&dataset, worlds.as_ref(), &mut findings);
-    let frames = dataset.frames();
-    let totals = vb_files::read_text(&dir.join("meta/info.json"), vb_files::DOCUMENT).ok();
-    let totals: Option<serde_json::Value> = totals.and_then(|text| serde_json::from_str(&text).ok());
-    let total = |name: &str| totals.as_ref().and_then(|t| t[name].as_u64());
-    for (name, is) in [("total_frames", frames), ("total_episodes", dataset.infos().len())] {
-        if total(name) != Some(is as u64) {
-            findings.add(format!("meta/info.json: {name} is not {is}, which the episodes sum to"));
-        }
-    }
+    let flaws = dataset.format().total_flaws(dir, dataset.infos().len(), dataset.frames());
+    flaws.into_iter().for_each(|flaw| findings.add(flaw));
     Ok(findings)
 }
 
@@ -118,7 +111,8 @@ fn episodes(dataset: &Dataset, worlds: Option<&Suite>, findings: &mut Findings) 
                 .add(format!("episode {k}: its world {} is not in the suite, or another there", info.world));
         }
         if open.as_ref().is_none_or(|(file, ..)| *file != place.file) {
-            match read_data(&dataset.dir().join(data_path(place.file)), features) {
+            let format = dataset.format();
+            match format.read_data(&dataset.dir().join(format.data_path(place.file)), features) {
                 Ok(batch) => open = Some((place.file, batch, place.from)),
                 Err(e) => {
                     findings.add(e.to_string());

@@ -8,25 +8,20 @@ use vb_files::sha256;
 use vb_record::{FolderLock, NewFolder, StoreError};
 use vb_world::Suite;
 
-use crate::card::card;
 use crate::episode::{Episode, EpisodeInfo};
 use crate::error::DatasetError;
 use crate::feature::Feature;
+use crate::format::{Batch, Files, Place, Row, Summary, Whole, json};
+use crate::formats;
 use crate::header::Header;
-use crate::lerobot::{
-    Batch, Place, Row, Stats, Totals, data_path, episodes_path, info, pooled, read_data, read_episodes,
-    write_data, write_episodes, write_tasks,
-};
 use crate::reader::{HEADER, WORLDS, read_header};
+use crate::stats::Stats;
 use crate::sums::{SUMS, SUMS_SO_FAR, Sums, files, hash_file, must_be_whole};
 
 /// The bytes of frames in a data file, at most and before compression, unless one episode has more.
 const FILE_BYTES: usize = 48 << 20;
 /// The episodes of a data file, at most.
 const FILE_EPISODES: usize = 256;
-
-/// The files that tell of the whole, which are written again when it grows.
-const OF_ALL: [&str; 4] = ["meta/info.json", "meta/stats.json", "meta/tasks.parquet", "README.md"];
 
 /// A dataset while it is written, by this process alone.
 ///
@@ -38,6 +33,8 @@ pub struct DatasetWriter {
     /// What the folder is the content of, if it is one that is there only when it is whole.
     folder: Option<NewFolder>,
     header: Header,
+    /// The files of its format.
+    format: &'static dyn Files,
     features: Vec<Feature>,
     /// Episodes of a data file.
     per_file: usize,
@@ -47,52 +44,9 @@ pub struct DatasetWriter {
     rows: Vec<Row>,
     /// The first frame that is in no file.
     from: usize,
-    done: Done,
+    done: Whole,
     /// The hashes, as they were written, of the files that stay as they are: worlds, header, frames and episodes.
     sums: Sums,
-}
-
-/// What is on disk.
-#[derive(Default)]
-struct Done {
-    episodes: usize,
-    frames: usize,
-    tasks: Vec<String>,
-    stats: Vec<(String, Stats)>,
-    summary: Summary,
-    /// The next drive of the command.
-    next_drive: u64,
-}
-
-/// What the card says of the episodes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// The number of episodes by their outcome.
-    pub outcomes: std::collections::BTreeMap<String, usize>,
-    /// The length of all ways, m.
-    pub distance_m: f64,
-}
-
-impl Done {
-    fn add(&mut self, row: &Row) {
-        self.episodes += 1;
-        self.frames = row.place.to;
-        self.next_drive = row.info.drive + 1;
-        if !self.tasks.contains(&row.info.instruction) {
-            self.tasks.push(row.info.instruction.clone());
-        }
-        *self.summary.outcomes.entry(row.info.outcome.clone()).or_default() += 1;
-        self.summary.distance_m += row.info.distance_m;
-        if self.stats.is_empty() {
-            self.stats.clone_from(&row.stats);
-            return;
-        }
-        for (name, all) in &mut self.stats {
-            if let Some((_, own)) = row.stats.iter().find(|(n, _)| n == name) {
-                *all = pooled([&*all, own].into_iter());
-            }
-        }
-    }
 }
 
 impl DatasetWriter {
@@ -167,7 +121,7 @@ impl DatasetWriter {
             return Err(DatasetError::Other { dir: dir.to_owned(), field, before, now });
         }
         let mut writer = Self::new(dir, FolderLock::take(dir)?, header, frames);
-        writer.sums = trusted(dir)?;
+        writer.sums = trusted(dir, writer.format)?;
         writer.read_on()?;
         writer.write_sums()?;
         Ok(writer)
@@ -176,7 +130,7 @@ impl DatasetWriter {
     /// Takes over what is on disk.
     fn read_on(&mut self) -> Result<(), DatasetError> {
         loop {
-            let (data, episodes) = (data_path(self.file), episodes_path(self.file));
+            let (data, episodes) = (self.format.data_path(self.file), self.format.episodes_path(self.file));
             let path = self.dir.join(&episodes);
             if !path.is_file() {
                 // Killed between the two files: these frames are of no episode, and are driven again.
@@ -186,7 +140,7 @@ impl DatasetWriter {
                     _ => Ok(()),
                 };
             }
-            let rows = read_episodes(&path)?;
+            let rows = self.format.read_episodes(&path)?;
             if !self.sums.has(&episodes) {
                 self.adopt(&data, &episodes, &rows)?;
             }
@@ -202,7 +156,7 @@ impl DatasetWriter {
     /// only fit to each other.
     fn adopt(&mut self, data: &Path, episodes: &Path, rows: &[Row]) -> Result<(), DatasetError> {
         let path = self.dir.join(data);
-        let frames = read_data(&path, &self.features)?.len();
+        let frames = self.format.read_data(&path, &self.features)?.len();
         let wanted = rows.last().map_or(0, |row| row.place.to.saturating_sub(self.from));
         if frames != wanted {
             return Err(DatasetError::damaged(&path, &format!("it has {frames} frames, not {wanted}")));
@@ -220,11 +174,12 @@ impl DatasetWriter {
         let episode_bytes = header.layout.frame_bytes().saturating_mul(frames.max(1));
         let per_file = (FILE_BYTES / episode_bytes).clamp(1, FILE_EPISODES);
         let batch = Batch::new(&features);
-        let (rows, done) = (Vec::new(), Done::default());
+        let (rows, done) = (Vec::new(), Whole::default());
         Self {
             dir: dir.to_owned(),
             lock,
             folder: None,
+            format: formats::files(header.format),
             header,
             features,
             per_file,
@@ -316,8 +271,8 @@ impl DatasetWriter {
             return Ok(());
         }
         for (path, bytes) in [
-            (data_path(self.file), write_data(&self.features, &self.batch)?),
-            (episodes_path(self.file), write_episodes(&self.rows)?),
+            (self.format.data_path(self.file), self.format.write_data(&self.features, &self.batch)?),
+            (self.format.episodes_path(self.file), self.format.write_episodes(&self.rows)?),
         ] {
             self.write(&path, &bytes)?;
             self.sums.add(&path, &bytes);
@@ -364,27 +319,13 @@ impl DatasetWriter {
     /// to be safe.
     pub fn save(&mut self) -> Result<Finished, DatasetError> {
         self.flush()?;
-        let Done { episodes, frames, .. } = self.done;
+        let Whole { episodes, frames, .. } = self.done;
         if episodes == 0 {
             return Err(DatasetError::Empty("none had a frame that is to be kept".into()));
         }
-        let totals = Totals { episodes, frames, tasks: self.done.tasks.len() };
-        let robot = &self.header.vehicle.name;
-        let stats: serde_json::Map<_, _> = self
-            .done
-            .stats
-            .iter()
-            .filter_map(|(name, s)| Some((name.clone(), serde_json::to_value(s).ok()?)))
-            .collect();
-        let card = card(&self.header, &self.features, (episodes, frames), &self.done.summary);
         let mut sums = self.sums.clone();
-        let of_all = [
-            json(&info(robot, self.header.hz, &self.features, totals))?,
-            json(&stats)?,
-            write_tasks(&self.done.tasks)?,
-            card.into_bytes(),
-        ];
-        for (file, bytes) in OF_ALL.map(Path::new).into_iter().zip(of_all) {
+        let contents = self.format.write_whole(&self.header, &self.features, &self.done)?;
+        for (file, bytes) in self.format.whole_paths().iter().map(Path::new).zip(contents) {
             self.write(file, &bytes)?;
             sums.add(file, &bytes);
         }
@@ -406,20 +347,14 @@ pub struct Finished {
 }
 
 /// The hashes of what was begun in a folder, after all was held against them.
-fn trusted(dir: &Path) -> Result<Sums, DatasetError> {
+fn trusted(dir: &Path, format: &dyn Files) -> Result<Sums, DatasetError> {
     if dir.join(SUMS_SO_FAR).is_file() {
         let sums = Sums::read(dir, SUMS_SO_FAR)?;
         sums.must_hold(dir)?;
         return Ok(sums);
     }
     must_be_whole(dir)?;
-    Ok(Sums::read(dir, SUMS)?.without(&OF_ALL))
-}
-
-fn json(value: &impl serde::Serialize) -> Result<Vec<u8>, DatasetError> {
-    let text = serde_json::to_string_pretty(value);
-    let text = text.map_err(|e| DatasetError::Encode { detail: e.to_string() })?;
-    Ok((text + "\n").into_bytes())
+    Ok(Sums::read(dir, SUMS)?.without(format.whole_paths()))
 }
 
 /// Copies a suite's files into a dataset; the hashes that they have there.

@@ -3,45 +3,12 @@
 //! A difference is always one run's value less another's, "second − first" in a [`Pair`]; whether that is good depends on the
 //! measure ([`Measure::more_is_better`]), and a [`Verdict`] says it.
 
-use crate::figures::{Estimate, Measure, estimate};
+use crate::figures::{Measure, estimate};
 use crate::runs::{Row, Run, Runs};
 use crate::statistics::{Profile, Ratio, mcnemar, profiles, sign_flip, wilcoxon};
-use crate::verdict::{Verdict, decide};
+use crate::verdict::{Difference, decide};
 
 use vb_score::BOOTSTRAP_SEED;
-
-/// A figure's difference between two runs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    pub measure: Measure,
-    /// Number of tasks that have the measure in both runs.
-    pub tasks: u64,
-    /// Number of worlds in which the sum over those tasks differs: what the deciding test goes by.
-    pub worlds: usize,
-    /// Mean over tasks of the second run's value less the first's, with its interval; none without common tasks.
-    pub difference: Option<Estimate>,
-    /// Two-sided p-value of the deciding test, which flips the signs of whole worlds ([`sign_flip`]); none without common tasks.
-    pub p: Option<f64>,
-    /// That p-value after Holm's correction over its family: this measure of all pairs.
-    pub adjusted: Option<f64>,
-    /// What the corrected p-value says of the second run; none without common tasks.
-    pub verdict: Option<Verdict>,
-    /// Two-sided p-value, without correction, of a test that assumes more and decides nothing: McNemar's exact test over tasks
-    /// for the success rate, as if tasks were independent; else Wilcoxon's over the means of worlds, as if each world counted
-    /// the same.
-    pub secondary: Option<f64>,
-}
-
-impl Difference {
-    /// The same, seen from the other run: the first less the second.
-    #[must_use]
-    pub fn reversed(&self) -> Self {
-        let mut other = self.clone();
-        other.difference = self.difference.map(Estimate::negated);
-        other.verdict = self.verdict.map(Verdict::reversed);
-        other
-    }
-}
 
 /// Two runs on their common tasks.
 #[derive(Clone, Debug)]

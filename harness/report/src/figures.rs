@@ -64,11 +64,11 @@ impl Measure {
     #[must_use]
     pub fn of(self, row: &Row) -> Ratio {
         let pooled = |mean: f64, samples: u64| Ratio { sum: mean * samples as f64, weight: samples as f64 };
-        match (self, &row.measures) {
+        match (self, &row.metrics) {
             (Self::Success, _) => Ratio { sum: f64::from(u8::from(row.succeeded())), weight: 1.0 },
             (Self::Time, _) if row.succeeded() => Ratio { sum: row.time, weight: 1.0 },
-            (Self::Roll, Some(m)) => pooled(m.roll.mean, m.samples),
-            (Self::Pitch, Some(m)) => pooled(m.pitch.mean, m.samples),
+            (Self::Roll, Some(m)) => pooled(m.roll_mean_deg, m.samples),
+            (Self::Pitch, Some(m)) => pooled(m.pitch_mean_deg, m.samples),
             _ => Ratio::default(),
         }
     }

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use vb_page::{grouped, number, p_value};
 
-use crate::compare::{Difference, common_worlds};
+use crate::compare::common_worlds;
 use crate::figures::Measure;
 use crate::runs::one_line;
-use crate::verdict::Verdict;
+use crate::verdict::{Difference, Verdict};
 use crate::{Comparison, Report};
 
 /// Names that are told one by one.

@@ -4,10 +4,9 @@ use serde_json::{Map, Value, json};
 use vb_score::{Cause, Conditions, Flag, Outcome, Ride};
 
 use crate::Report;
-use crate::compare::Difference;
 use crate::figures::{Estimate, Figures, Measure};
 use crate::ranking::Place;
-use crate::verdict::{LEVEL, Verdict};
+use crate::verdict::{Difference, LEVEL, Verdict};
 
 /// The name of a measure, with its unit.
 fn key(measure: Measure) -> &'static str {

@@ -25,7 +25,7 @@ mod sweep;
 mod table;
 mod verdict;
 
-pub use compare::{Comparison, Difference, Pair};
+pub use compare::{Comparison, Pair};
 pub use error::ReportError;
 pub use figures::{Estimate, Figures, Measure, RunFigures, Split, heat};
 pub use maps::{MAP_SIDE, MapLinks, THUMBNAIL_STYLE, WorldMap};
@@ -33,7 +33,7 @@ pub use print::{Paper, PaperError, PaperFigure};
 pub use ranking::{Place, Ranking};
 pub use report::{Beside, Report};
 pub use robustness::{Line, Point, Robustness};
-pub use runs::{Angles, Fuel, Measures, Row, Run, Runs, WorldLabels, one_line};
+pub use runs::{Row, Run, Runs, WorldLabels, one_line};
 pub use sweep::{Sweep, SweepRow};
 pub use table::{write_csv, write_parquet};
-pub use verdict::{LEVEL, Verdict};
+pub use verdict::{Difference, LEVEL, Verdict};

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use crate::compare::Comparison;
 use crate::figures::RunFigures;
-use crate::page;
 use crate::ranking::Ranking;
 use crate::robustness::Robustness;
 use crate::runs::{Run, Runs, one_line};
@@ -112,11 +111,5 @@ impl Report {
             })
         };
         self.runs.runs.iter().filter_map(note).collect()
-    }
-
-    /// The page: one file that needs nothing else, no network either.
-    #[must_use]
-    pub fn page(&self, beside: &Beside) -> String {
-        page::page(self, beside)
     }
 }

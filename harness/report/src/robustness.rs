@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::compare::{Difference, pair};
+use crate::compare::pair;
 use crate::figures::Measure;
 use crate::runs::{Runs, one_line, settings};
-use crate::verdict::decide;
+use crate::verdict::{Difference, decide};
 
 /// The profile under which everything is known exactly. It comes first, and the others are held against it.
 const EXACT: &str = "oracle";

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use vb_record::{RunHeader, RunReader};
-use vb_score::{Cause, Conditions, Flag, Outcome, Ride, TaskRecord};
+use vb_score::{Cause, Conditions, Flag, FuelUse, Metrics, Outcome, Ride, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::ReportError;
@@ -16,53 +16,8 @@ const LABEL_LENGTH: usize = 120;
 /// Characters of a reason that are kept.
 const NOTE_LENGTH: usize = 400;
 
-/// Angles of a trial, degrees, as in [`vb_score::Metrics`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Angles {
-    /// Mean of the absolute value over the samples.
-    pub mean: f64,
-    /// Variance of it.
-    pub variance: f64,
-    pub max: f64,
-}
-
-/// What is kept of a trial's measures; units as in [`vb_score::Metrics`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measures {
-    pub samples: u64,
-    /// Of |roll|.
-    pub roll: Angles,
-    /// Of |pitch|.
-    pub pitch: Angles,
-    /// Length of the way, m.
-    pub distance: f64,
-    /// Mean speed, m/s.
-    pub speed: f64,
-    /// Distance from the goal in the end, m.
-    pub goal_distance: f64,
-    /// Where it ended, x and y, m.
-    pub end: [f64; 2],
-    /// Sum of the steering command's changes over time, 1/s.
-    pub steering_rate: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fuel {
-    /// For start-up and `init`.
-    pub init: u64,
-    /// For the median step.
-    pub median: u64,
-    /// That 99 % of the steps stay within.
-    pub p99: u64,
-    /// For the most costly step.
-    pub max: u64,
-    /// `max` as a share of the limit.
-    pub max_share: f64,
-    /// The most memory, bytes.
-    pub memory: u64,
-}
-
-/// A finished task. It takes some hundred bytes, so that the rows of a million tasks fit into memory.
+/// A finished task: what figures need of its record, without texts that only records have. It takes less than half a kilobyte, so
+/// that the rows of a million tasks fit into memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub task: Box<str>,
@@ -76,11 +31,11 @@ pub struct Row {
     /// What is true or false of it beside its outcome, in the order of [`Flag::ALL`], where that is known.
     pub flags: [Option<bool>; Flag::ALL.len()],
     /// Measures, if it had samples.
-    pub measures: Option<Measures>,
+    pub metrics: Option<Metrics>,
     /// Shock and ride, if they were measured.
     pub ride: Option<Ride>,
     /// Fuel, of metered planners.
-    pub fuel: Option<Fuel>,
+    pub fuel: Option<FuelUse>,
     /// Number of clamped commands.
     pub clamped: u64,
     /// The reason of a failure, with its code in front, if it is kept.
@@ -393,24 +348,6 @@ fn environment(h: &RunHeader) -> Vec<(&'static str, String)> {
 }
 
 fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
-    let measures = r.metrics.map(|m| Measures {
-        samples: m.samples,
-        roll: Angles { mean: m.roll_mean_deg, variance: m.roll_variance_deg2, max: m.roll_max_deg },
-        pitch: Angles { mean: m.pitch_mean_deg, variance: m.pitch_variance_deg2, max: m.pitch_max_deg },
-        distance: m.distance_m,
-        speed: m.speed_mean_m_per_s,
-        goal_distance: m.goal_distance_end_m,
-        end: m.end(),
-        steering_rate: m.steering_rate_per_s,
-    });
-    let fuel = r.fuel.map(|f| Fuel {
-        init: f.init,
-        median: f.p50_step,
-        p99: f.p99_step,
-        max: f.max_step,
-        max_share: f.max_share,
-        memory: f.memory_bytes,
-    });
     let note = match &r.fault {
         _ if !with_note || r.outcome == Outcome::Success => String::new(),
         Some(code) => one_line(&format!("{code}: {}", r.reason), NOTE_LENGTH),
@@ -423,9 +360,9 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
         cause: r.cause,
         time: r.time_s,
         flags: Flag::ALL.map(|flag| r.flags.get(&flag).copied()),
-        measures,
+        metrics: r.metrics,
         ride: r.ride,
-        fuel,
+        fuel: r.fuel,
         clamped: r.clamped,
         note: note.into_boxed_str(),
     }
@@ -443,5 +380,14 @@ pub fn one_line(text: &str, most: usize) -> String {
     match line.char_indices().nth(most) {
         Some((end, _)) => format!("{}…", &line[..end]),
         None => line,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_row_takes_less_than_half_a_kilobyte() {
+        let size = size_of::<super::Row>();
+        assert!(size < 512, "{size} bytes");
     }
 }

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
 use vb_score::{Flag, Group, Outcome, Summary, TableRow, table};
 
-use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::sample;
+use crate::drawing::{DRAWING_STYLE, PAGE_STYLE};
 use crate::figures::{Figures, Measure};
 use crate::markdown::{mean, text};
 use crate::page;
@@ -255,7 +255,7 @@ impl Sweep {
         }
         Page {
             title: &self.name,
-            styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE],
+            styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE],
             body: &format!("<header>{head}</header><main>{s}</main>"),
             script: SORTED_TABLES,
             ..Page::default()
@@ -338,8 +338,8 @@ fn columns(row: &SweepRow) -> Vec<(String, String)> {
     }
     let more: [(&str, String); 4] = [
         ("time_mean_s", figure(|a| a.time_mean_s)),
-        ("roll_task_mean_deg", figure(|a| a.roll_task_mean_deg)),
-        ("pitch_task_mean_deg", figure(|a| a.pitch_task_mean_deg)),
+        ("roll_task_mean_deg", figure(|a| a.metrics.roll_task_mean_deg)),
+        ("pitch_task_mean_deg", figure(|a| a.metrics.pitch_task_mean_deg)),
         ("plugin_sha256", row.summary.plugin_sha256.clone()),
     ];
     columns.extend(more.map(|(name, value)| (name.to_owned(), value)));

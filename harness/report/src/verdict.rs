@@ -2,7 +2,7 @@
 
 use vb_page::signed;
 
-use crate::compare::Difference;
+use crate::figures::{Estimate, Measure};
 use crate::statistics::{holm, least_p, worlds_needed};
 
 /// The family-wise error rate: of twenty reports on planners that are all the same, one has a false difference in a family.
@@ -59,7 +59,38 @@ impl Verdict {
     }
 }
 
+/// A figure's difference between two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    pub measure: Measure,
+    /// Number of tasks that have the measure in both runs.
+    pub tasks: u64,
+    /// Number of worlds in which the sum over those tasks differs: what the deciding test goes by.
+    pub worlds: usize,
+    /// Mean over tasks of the second run's value less the first's, with its interval; none without common tasks.
+    pub difference: Option<Estimate>,
+    /// Two-sided p-value of the deciding test, which flips the signs of whole worlds ([`crate::statistics::sign_flip`]); none without common tasks.
+    pub p: Option<f64>,
+    /// That p-value after Holm's correction over its family: this measure of all pairs.
+    pub adjusted: Option<f64>,
+    /// What the corrected p-value says of the second run; none without common tasks.
+    pub verdict: Option<Verdict>,
+    /// Two-sided p-value, without correction, of a test that assumes more and decides nothing: McNemar's exact test over tasks
+    /// for the success rate, as if tasks were independent; else Wilcoxon's over the means of worlds, as if each world counted
+    /// the same.
+    pub secondary: Option<f64>,
+}
+
 impl Difference {
+    /// The same, seen from the other run: the first less the second.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let mut other = self.clone();
+        other.difference = self.difference.map(Estimate::negated);
+        other.verdict = self.verdict.map(Verdict::reversed);
+        other
+    }
+
     /// The style class of what it says.
     pub(crate) fn class(&self) -> &'static str {
         match self.verdict {

@@ -46,8 +46,8 @@ fn figures_agree_with_those_of_the_summary() {
     for (m, value) in [
         (Measure::Success, theirs.success_rate),
         (Measure::Time, theirs.time_mean_s.unwrap()),
-        (Measure::Roll, theirs.roll_mean_deg.unwrap()),
-        (Measure::Pitch, theirs.pitch_mean_deg.unwrap()),
+        (Measure::Roll, theirs.metrics.roll_mean_deg.unwrap()),
+        (Measure::Pitch, theirs.metrics.pitch_mean_deg.unwrap()),
     ] {
         assert!((mean(m) - value).abs() < 1e-9, "{m:?}: {} {value}", mean(m));
     }

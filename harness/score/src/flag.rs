@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::ride::{POWER_LIMIT_W, SHOCK_LIMIT_G};
-use crate::{Metrics, Outcome, Ride, TaskRecord};
+use crate::{Metrics, Outcome, Ride};
 
 /// The angle of roll or pitch beyond which the authors' evaluation scripts take a vehicle for rolled over, degrees.
 pub const TILT_LIMIT_DEG: f64 = 30.0;
@@ -47,13 +47,13 @@ macro_rules! flags {
                 }
             }
 
-            /// Whether it is true of a trial; `None` where its record lacks what it takes to know.
+            /// Whether it is true of a trial; `None` where that follows from metrics or ride which it lacks.
             #[must_use]
-            pub fn of(self, record: &TaskRecord) -> Option<bool> {
-                let judge: fn(&TaskRecord) -> Option<bool> = match self {
+            pub fn of(self, outcome: Outcome, metrics: Option<&Metrics>, ride: Option<&Ride>) -> Option<bool> {
+                let judge: fn(Outcome, Option<&Metrics>, Option<&Ride>) -> Option<bool> = match self {
                     $(Self::$variant => $of),+
                 };
-                judge(record)
+                judge(outcome, metrics, ride)
             }
         }
     };
@@ -61,13 +61,13 @@ macro_rules! flags {
 
 flags! {
     /// |roll| or |pitch| was above 30° at any sample: the rollover rule of the authors' evaluation scripts, for all trials.
-    Tilted = "tilted", "tilt > 30°", |r| r.metrics.as_ref().map(tilted);
+    Tilted = "tilted", "tilt > 30°", |_, metrics, _| metrics.map(tilted);
     /// The trial succeeded, the vehicle had landed at the end, and the vertical peak at the seat was at most 2.5 g.
-    Strict = "strict", "strict", |r| strict(r.outcome, r.ride.as_ref());
+    Strict = "strict", "strict", |outcome, _, ride| strict(outcome, ride);
     /// The vertical peak at the seat was above 2.5 g, the limit of shock of NRMM.
-    Shock = "over_2_5_g", "> 2.5 g", |r| Some(r.ride?.seat_peak_z_g > SHOCK_LIMIT_G);
+    Shock = "over_2_5_g", "> 2.5 g", |_, _, ride| Some(ride?.seat_peak_z_g > SHOCK_LIMIT_G);
     /// The mean absorbed power was above 6 W, the limit of ride of NRMM.
-    Power = "over_6_w", "> 6 W", |r| Some(r.ride?.absorbed_power_w > POWER_LIMIT_W);
+    Power = "over_6_w", "> 6 W", |_, _, ride| Some(ride?.absorbed_power_w > POWER_LIMIT_W);
 }
 
 impl fmt::Display for Flag {
@@ -94,27 +94,23 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::TaskRecord;
 
     #[test]
-    fn every_flag_is_documented_in_the_words_of_the_code() {
-        let text = include_str!("../../../docs/scoring.md");
+    fn names_are_those_of_files() {
         for flag in Flag::ALL {
-            let about = flag.about().trim_end_matches('.').replace('|', "\\|");
-            let row = format!("| `{flag}` | {} | {about} |", flag.title());
-            assert!(text.contains(&row), "docs/scoring.md lacks: {row}");
             assert_eq!(serde_json::to_string(&flag).unwrap(), format!("\"{flag}\""));
         }
     }
 
     /// A record with this outcome, greatest roll and pitch (degrees), and ride.
     fn record(outcome: &str, [roll, pitch]: [f64; 2], ride: &str) -> TaskRecord {
+        let metrics = Metrics { samples: 1, roll_max_deg: roll, pitch_max_deg: pitch, ..Metrics::default() };
+        let metrics = serde_json::to_string(&metrics).unwrap();
         let text = format!(
             r#"{{"task":"w001/t00","world":"w001","elevation":"low","terrain":"rigid","density":"sparse","outcome":"{outcome}",
             "three_way":"stuck","reason":"","time_s":1.0,"state_hash":"","sim_steps":1,"planner_steps":1,"clamped":0,"fuel":null,
-            "metrics":{{"samples":1,"roll_mean_deg":0.0,"roll_variance_deg2":0.0,"roll_max_deg":{roll},"roll_end_deg":0.0,
-            "pitch_mean_deg":0.0,"pitch_variance_deg2":0.0,"pitch_max_deg":{pitch},"distance_m":0.0,"speed_mean_m_per_s":0.0,
-            "speed_max_m_per_s":0.0,"throttle_effort_s":0.0,"brake_effort_s":0.0,"steering_effort_s":0.0,
-            "steering_rate_per_s":0.0,"reverse_s":0.0,"goal_distance_min_m":5.0,"goal_distance_end_m":6.0,"end_x_m":0.0,"end_y_m":0.0}},"ride":{ride}}}"#
+            "metrics":{metrics},"ride":{ride}}}"#
         );
         let mut record: TaskRecord = serde_json::from_str(&text).unwrap();
         record.judge();
@@ -123,10 +119,8 @@ mod tests {
 
     /// A ride with this vertical peak (g) and absorbed power (W).
     fn ride(peak: f64, power: f64, landed: bool) -> String {
-        format!(
-            r#"{{"seat_peak_g":9.0,"seat_peak_z_g":{peak:?},"seat_rms_m_per_s2":1.0,"seat_rms_z_m_per_s2":1.0,
-            "absorbed_power_w":{power:?},"airborne_fraction":0.0,"landed":{landed}}}"#
-        )
+        let ride = Ride { seat_peak_z_g: peak, absorbed_power_w: power, landed, ..Ride::default() };
+        serde_json::to_string(&ride).unwrap()
     }
 
     #[test]

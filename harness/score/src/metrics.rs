@@ -1,38 +1,39 @@
-//! What is measured of one trial.
+//! Measures of one trial, and the figures that summaries have of them: each is declared here and measured by [`Accumulator`].
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use vb_math::angle::degrees;
 use vb_math::hypot;
 use vb_record::Sample;
 
-use crate::measures::{MOST, measures, outside};
+use crate::measures::Extent::{Failures, Pages, Papers};
+use crate::measures::{MOST, measures};
 use crate::stats::Running;
 
 measures! {
     /// Measures of one trial, over its samples from the first to the one that decided it. Angles are in degrees, as the
     /// paper reports them, and absolute: left and right, up and down count alike. Variances are of the population.
-    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-    pub struct Metrics {
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    "metrics": pub struct Metrics {
         /// Number of samples.
-        pub samples: u64,
+        pub samples: u64 => most(MOST),
         /// Mean of |roll|, degrees.
-        pub roll_mean_deg: f64,
+        pub roll_mean_deg: f64 => column("|roll| °") drawn(Papers, "Mean |roll| of a task", "degrees"),
         /// Variance of |roll|, degrees².
         pub roll_variance_deg2: f64,
         /// Greatest |roll|, degrees.
-        pub roll_max_deg: f64,
+        pub roll_max_deg: f64 => column("most") drawn(Pages, "Greatest |roll| of a task", "degrees"),
         /// Roll at the last sample, degrees, with its sign.
-        pub roll_end_deg: f64,
+        pub roll_end_deg: f64 => signed(),
         /// Mean of |pitch|, degrees.
-        pub pitch_mean_deg: f64,
+        pub pitch_mean_deg: f64 => column("|pitch| °") drawn(Papers, "Mean |pitch| of a task", "degrees"),
         /// Variance of |pitch|, degrees².
         pub pitch_variance_deg2: f64,
         /// Greatest |pitch|, degrees.
-        pub pitch_max_deg: f64,
+        pub pitch_max_deg: f64 => column("most") drawn(Pages, "Greatest |pitch| of a task", "degrees"),
         /// Length of the reference point's way through space, m: the sum of the distances between samples.
-        pub distance_m: f64,
+        pub distance_m: f64 => column("way m") drawn(Pages, "Way travelled", "m"),
         /// That length over its time, m/s.
-        pub speed_mean_m_per_s: f64,
+        pub speed_mean_m_per_s: f64 => drawn(Papers, "Mean speed", "m/s"),
         /// Greatest speed at a sample, m/s.
         pub speed_max_m_per_s: f64,
         /// Time integral of the throttle command, s.
@@ -48,43 +49,24 @@ measures! {
         /// Least distance from the goal in the plane, m.
         pub goal_distance_min_m: f64,
         /// Distance from the goal in the plane at the last sample, m.
-        pub goal_distance_end_m: f64,
+        pub goal_distance_end_m: f64
+            => column("to goal m") drawn(Failures, "Distance from the goal at the end of failures", "m"),
         /// Where the reference point was at the last sample, east of the world's middle, m.
-        pub end_x_m: f64,
+        pub end_x_m: f64 => signed(),
         /// The same to the north, m.
-        pub end_y_m: f64,
+        pub end_y_m: f64 => signed(),
     }
 }
 
 impl Metrics {
-    /// The first measure that no trial can have: its name, its value, and what is allowed. `None` if there is none.
-    #[must_use]
-    pub fn flaw(&self) -> Option<String> {
-        const TURN: f64 = 180.0;
-        // A mean of angles may be beyond the greatest by its last digit.
-        let rounded = |v: f64| if v.abs() < 1e6 { (v * 1e6).round() / 1e6 } else { v };
-        Self::MEASURES.iter().find_map(|m| {
-            let (low, high) = match m.name {
-                "roll_end_deg" => (-TURN, TURN),
-                "end_x_m" | "end_y_m" => (-MOST, MOST),
-                name if name.ends_with("_deg") => (0.0, TURN),
-                name if name.ends_with("_deg2") => (0.0, TURN * TURN),
-                _ => (0.0, MOST),
-            };
-            outside(m.name, rounded(m.number(self)?), low, high)
-        })
+    /// |roll| over the samples, degrees.
+    fn roll(&self) -> Running {
+        Running::from_parts(self.samples, self.roll_mean_deg, self.roll_variance_deg2, self.roll_max_deg)
     }
 
-    /// Reads the measures of a record, which may be of strangers.
-    ///
-    /// # Errors
-    /// Returns an error if a measure is missing, or can't be one.
-    pub(crate) fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
-        let metrics = Option::<Self>::deserialize(from)?;
-        match metrics.as_ref().and_then(Self::flaw) {
-            Some(flaw) => Err(serde::de::Error::custom(format!("metrics.{flaw}"))),
-            None => Ok(metrics),
-        }
+    /// |pitch| over the samples, degrees.
+    fn pitch(&self) -> Running {
+        Running::from_parts(self.samples, self.pitch_mean_deg, self.pitch_variance_deg2, self.pitch_max_deg)
     }
 
     /// Where the trial ended: x and y of the reference point at the last sample, m, world frame.
@@ -92,6 +74,73 @@ impl Metrics {
     pub fn end(&self) -> [f64; 2] {
         [self.end_x_m, self.end_y_m]
     }
+}
+
+/// Declares the figures that a summary has of the metrics of its tasks: behind each the function that makes it of them.
+macro_rules! pooled {
+    (
+        $(#[$attribute:meta])*
+        pub struct $name:ident {
+            $($(#[doc = $about:literal])+ pub $field:ident = $pool:ident($($arg:expr),+),)+
+        }
+    ) => {
+        $(#[$attribute])*
+        pub struct $name {
+            $($(#[doc = $about])+ pub $field: Option<f64>,)+
+        }
+
+        impl $name {
+            /// The figures of tasks with these metrics, in the order in which they are summed.
+            pub(crate) fn new(tasks: &[&Metrics]) -> Self {
+                Self { $($field: $pool(tasks, $($arg),+)),+ }
+            }
+        }
+    };
+}
+
+pooled! {
+    /// Figures over the metrics of some tasks; `None` if no task has samples.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Pooled {
+        /// The mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees.
+        pub roll_mean_deg = over_samples(Metrics::roll, |s| s.mean),
+        /// The variance of |roll| over the same samples, degrees².
+        pub roll_variance_deg2 = over_samples(Metrics::roll, Running::variance),
+        /// The greatest |roll|, degrees.
+        pub roll_max_deg = over_samples(Metrics::roll, |s| s.max),
+        /// The mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
+        pub roll_task_mean_deg = over_tasks(|m| m.roll_mean_deg),
+        /// The mean |pitch| over all samples of all tasks, degrees.
+        pub pitch_mean_deg = over_samples(Metrics::pitch, |s| s.mean),
+        /// The variance of |pitch| over the same samples, degrees².
+        pub pitch_variance_deg2 = over_samples(Metrics::pitch, Running::variance),
+        /// The greatest |pitch|, degrees.
+        pub pitch_max_deg = over_samples(Metrics::pitch, |s| s.max),
+        /// The mean over tasks of each task's mean |pitch|, degrees.
+        pub pitch_task_mean_deg = over_tasks(|m| m.pitch_mean_deg),
+        /// The mean distance travelled, m.
+        pub distance_mean_m = over_tasks(|m| m.distance_m),
+        /// The mean throttle effort, s.
+        pub throttle_effort_mean_s = over_tasks(|m| m.throttle_effort_s),
+        /// The mean steering effort, s.
+        pub steering_effort_mean_s = over_tasks(|m| m.steering_effort_s),
+        /// The mean steering rate, 1/s.
+        pub steering_rate_mean_per_s = over_tasks(|m| m.steering_rate_per_s),
+    }
+}
+
+/// A figure over the samples of all tasks together, of which each task has mean, variance and maximum.
+fn over_samples(tasks: &[&Metrics], of: fn(&Metrics) -> Running, figure: fn(&Running) -> f64) -> Option<f64> {
+    let mut all = Running::default();
+    tasks.iter().for_each(|m| all.merge(&of(m)));
+    (all.count > 0).then(|| figure(&all))
+}
+
+/// The mean over tasks, which count alike.
+fn over_tasks(tasks: &[&Metrics], of: fn(&Metrics) -> f64) -> Option<f64> {
+    let mut all = Running::default();
+    tasks.iter().for_each(|m| all.push(of(m)));
+    (all.count > 0).then_some(all.mean)
 }
 
 /// Sums over the samples of one trial, in their order.

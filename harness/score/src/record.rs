@@ -13,7 +13,7 @@ use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 measures! {
     /// Resources that a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-    pub struct FuelUse {
+    "fuel": pub struct FuelUse {
         /// Fuel in the whole task.
         pub total: u64,
         /// Fuel for start-up and `init`.
@@ -21,7 +21,7 @@ measures! {
         /// Fuel for the median step.
         pub p50_step: u64,
         /// Fuel that 99 % of the steps stay within.
-        pub p99_step: u64,
+        pub p99_step: u64 => column("fuel 99 %"),
         /// Fuel for the most costly step.
         pub max_step: u64,
         /// `init` as a share of its limit.
@@ -54,19 +54,19 @@ fn count<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
 }
 
 impl FuelUse {
-    /// Reads what a planner used from a record, which may be of strangers.
-    ///
-    /// # Errors
-    /// Returns an error if a measure is missing, or can't be one.
-    fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
-        let used = Option::<Self>::deserialize(from)?;
-        let shares = used.iter().flat_map(|u| {
-            [("init_share", u.init_share), ("p99_share", u.p99_share), ("max_share", u.max_share)]
-        });
-        match shares.into_iter().find_map(|(name, share)| outside(name, share, 0.0, MOST)) {
-            Some(flaw) => Err(serde::de::Error::custom(format!("fuel.{flaw}"))),
-            None => Ok(used),
-        }
+    /// Takes in the use of another task: the fuel of both in total, and otherwise the most of either.
+    pub(crate) fn pool(&mut self, other: &Self) {
+        *self = Self {
+            total: self.total.saturating_add(other.total),
+            init: self.init.max(other.init),
+            p50_step: self.p50_step.max(other.p50_step),
+            p99_step: self.p99_step.max(other.p99_step),
+            max_step: self.max_step.max(other.max_step),
+            init_share: self.init_share.max(other.init_share),
+            p99_share: self.p99_share.max(other.p99_share),
+            max_share: self.max_share.max(other.max_share),
+            memory_bytes: self.memory_bytes.max(other.memory_bytes),
+        };
     }
 
     /// The use of a task whose start-up took `init` and whose steps took `steps`, within limits of `init_limit` and
@@ -181,7 +181,9 @@ impl TaskRecord {
     /// The flags that outcome, metrics and ride give.
     #[must_use]
     pub fn judged(&self) -> BTreeMap<Flag, bool> {
-        Flag::ALL.into_iter().filter_map(|flag| Some((flag, flag.of(self)?))).collect()
+        let (metrics, ride) = (self.metrics.as_ref(), self.ride.as_ref());
+        let of = |flag: Flag| Some((flag, flag.of(self.outcome, metrics, ride)?));
+        Flag::ALL.into_iter().filter_map(of).collect()
     }
 
     /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
@@ -207,6 +209,7 @@ impl TaskRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Measured, Reader};
 
     #[test]
     fn percentiles_are_by_nearest_rank() {
@@ -228,15 +231,12 @@ mod tests {
     fn a_record_with_a_number_that_no_trial_has_is_refused_by_field_and_value() {
         let text = r#"{"task":"w001/t00","world":"w001","elevation":"low","terrain":"rigid","density":"sparse",
             "outcome":"success","three_way":"success","reason":"","time_s":1.0,"state_hash":"","sim_steps":1,"planner_steps":1,
-            "clamped":0,"fuel":{"total":1,"init":1,"p50_step":1,"p99_step":1,"max_step":1,"init_share":0.5,"p99_share":0.5,
-            "max_share":0.5,"memory_bytes":1},"metrics":{"samples":1,"roll_mean_deg":1.0,"roll_variance_deg2":1.0,
-            "roll_max_deg":1.0,"roll_end_deg":-1.0,"pitch_mean_deg":1.0,"pitch_variance_deg2":1.0,"pitch_max_deg":1.0,
-            "distance_m":1.0,"speed_mean_m_per_s":1.0,"speed_max_m_per_s":1.0,"throttle_effort_s":1.0,"brake_effort_s":1.0,
-            "steering_effort_s":1.0,"steering_rate_per_s":1.0,"reverse_s":1.0,"goal_distance_min_m":1.0,
-            "goal_distance_end_m":1.0,"end_x_m":-1.0,"end_y_m":-1.0},"ride":{"seat_peak_g":1.0,"seat_peak_z_g":1.0,
-            "seat_rms_m_per_s2":1.0,"seat_rms_z_m_per_s2":1.0,"absorbed_power_w":1.0,"airborne_fraction":0.5,"landed":true,
-            "energy_surplus_j":1.0,"held_fraction":0.5}}"#;
-        let good: serde_json::Value = serde_json::from_str(text).unwrap();
+            "clamped":0}"#;
+        let mut good: serde_json::Value = serde_json::from_str(text).unwrap();
+        good["fuel"] = serde_json::to_value(FuelUse::default()).unwrap();
+        good["metrics"] = serde_json::to_value(Metrics::default()).unwrap();
+        let ride = Ride { energy_surplus_j: Some(0.0), held_fraction: Some(0.0), ..Ride::default() };
+        good["ride"] = serde_json::to_value(ride).unwrap();
         serde_json::from_value::<TaskRecord>(good.clone()).unwrap();
         let mut tried = 0;
         let mut attack = |place: &[&str], value: &serde_json::Value| {
@@ -266,6 +266,10 @@ mod tests {
         attack(&["metrics", "samples"], &u64::MAX.into());
         attack(&["metrics", "roll_max_deg"], &180.1.into());
         attack(&["metrics", "roll_mean_deg"], &(-0.1).into());
-        assert_eq!(tried, 3 * (19 + 3 + 8) + 8);
+        fn numbers<T>(of: &[Measured<T>]) -> usize {
+            of.iter().filter(|m| matches!(m.value, Reader::Number(_) | Reader::Optional(_))).count()
+        }
+        let numbers = numbers(Metrics::MEASURES) + numbers(FuelUse::MEASURES) + numbers(Ride::MEASURES);
+        assert_eq!(tried, 3 * numbers + 8);
     }
 }

@@ -7,7 +7,7 @@ use vb_record::RunHeader;
 use vb_world::{Density, Elevation, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
-use crate::{Cause, Conditions, Flag, FuelUse, Outcome, Ride, Rules, TaskRecord, ThreeWay};
+use crate::{Cause, Conditions, Flag, FuelUse, Outcome, Pooled, Ride, Rules, TaskRecord, ThreeWay};
 
 /// The version of the layout of a summary.
 pub const SUMMARY_SCHEMA: u32 = 3;
@@ -90,31 +90,9 @@ pub struct Group {
     pub time_mean_s: Option<f64>,
     /// The standard deviation of the traversal time over successes, s.
     pub time_std_s: Option<f64>,
-    /// The mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees;
-    /// `None` if no task has samples.
-    pub roll_mean_deg: Option<f64>,
-    /// The variance of |roll| over the same samples, degrees².
-    pub roll_variance_deg2: Option<f64>,
-    /// The greatest |roll|, degrees.
-    pub roll_max_deg: Option<f64>,
-    /// The mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
-    pub roll_task_mean_deg: Option<f64>,
-    /// The mean |pitch| over all samples of all tasks, degrees.
-    pub pitch_mean_deg: Option<f64>,
-    /// The variance of |pitch| over the same samples, degrees².
-    pub pitch_variance_deg2: Option<f64>,
-    /// The greatest |pitch|, degrees.
-    pub pitch_max_deg: Option<f64>,
-    /// The mean over tasks of each task's mean |pitch|, degrees.
-    pub pitch_task_mean_deg: Option<f64>,
-    /// The mean distance travelled, m.
-    pub distance_mean_m: Option<f64>,
-    /// The mean throttle effort, s.
-    pub throttle_effort_mean_s: Option<f64>,
-    /// The mean steering effort, s.
-    pub steering_effort_mean_s: Option<f64>,
-    /// The mean steering rate, 1/s.
-    pub steering_rate_mean_per_s: Option<f64>,
+    /// The figures over the tasks' metrics.
+    #[serde(flatten)]
+    pub metrics: Pooled,
     /// The mean of each measure of [`Ride`] over the tasks that have it, by its name.
     pub ride: BTreeMap<String, f64>,
     /// The number of commands that were clamped.
@@ -198,8 +176,7 @@ impl Group {
             Outcome::ALL.into_iter().filter(|o| *o != Outcome::HostError).map(|o| (o, 0)).collect();
         let mut causes: BTreeMap<Cause, u64> = BTreeMap::new();
         let mut three_way: BTreeMap<ThreeWay, u64> = ThreeWay::ALL.map(|o| (o, 0)).into();
-        let [mut time, mut roll, mut pitch, mut roll_task, mut pitch_task] = [Running::default(); 5];
-        let [mut distance, mut throttle, mut steering, mut rate] = [Running::default(); 4];
+        let mut time = Running::default();
         let mut fuel: Option<FuelUse> = None;
         let mut clamped = 0;
         let mut flags: BTreeMap<Flag, u64> = BTreeMap::new();
@@ -220,30 +197,8 @@ impl Group {
                 world.sum += 1.0;
                 time.push(r.time_s);
             }
-            if let Some(m) = &r.metrics {
-                let pooled = |mean, variance, max| Running::from_parts(m.samples, mean, variance, max);
-                roll.merge(&pooled(m.roll_mean_deg, m.roll_variance_deg2, m.roll_max_deg));
-                pitch.merge(&pooled(m.pitch_mean_deg, m.pitch_variance_deg2, m.pitch_max_deg));
-                roll_task.push(m.roll_mean_deg);
-                pitch_task.push(m.pitch_mean_deg);
-                distance.push(m.distance_m);
-                throttle.push(m.throttle_effort_s);
-                steering.push(m.steering_effort_s);
-                rate.push(m.steering_rate_per_s);
-            }
             if let Some(used) = r.fuel {
-                let sum = fuel.get_or_insert_default();
-                *sum = FuelUse {
-                    total: sum.total.saturating_add(used.total),
-                    init: sum.init.max(used.init),
-                    p50_step: sum.p50_step.max(used.p50_step),
-                    p99_step: sum.p99_step.max(used.p99_step),
-                    max_step: sum.max_step.max(used.max_step),
-                    init_share: sum.init_share.max(used.init_share),
-                    p99_share: sum.p99_share.max(used.p99_share),
-                    max_share: sum.max_share.max(used.max_share),
-                    memory_bytes: sum.memory_bytes.max(used.memory_bytes),
-                };
+                fuel.get_or_insert_default().pool(&used);
             }
             clamped += r.clamped;
         }
@@ -253,8 +208,6 @@ impl Group {
         let worlds: Vec<Ratio> = worlds.into_values().collect();
         let success = success_interval(&worlds);
         let mean = |s: &Running| (s.count > 0).then_some(s.mean);
-        let variance = |s: &Running| (s.count > 0).then(|| s.variance());
-        let max = |s: &Running| (s.count > 0).then_some(s.max);
         Some(Self {
             tasks,
             outcomes,
@@ -265,19 +218,8 @@ impl Group {
             success_low: success.map(|i| i.low),
             success_high: success.map(|i| i.high),
             time_mean_s: mean(&time),
-            time_std_s: variance(&time).map(f64::sqrt),
-            roll_mean_deg: mean(&roll),
-            roll_variance_deg2: variance(&roll),
-            roll_max_deg: max(&roll),
-            roll_task_mean_deg: mean(&roll_task),
-            pitch_mean_deg: mean(&pitch),
-            pitch_variance_deg2: variance(&pitch),
-            pitch_max_deg: max(&pitch),
-            pitch_task_mean_deg: mean(&pitch_task),
-            distance_mean_m: mean(&distance),
-            throttle_effort_mean_s: mean(&throttle),
-            steering_effort_mean_s: mean(&steering),
-            steering_rate_mean_per_s: mean(&rate),
+            time_std_s: mean(&time).map(|_| time.variance().sqrt()),
+            metrics: Pooled::new(&records.iter().filter_map(|r| r.metrics.as_ref()).collect::<Vec<_>>()),
             ride: Ride::MEASURES
                 .iter()
                 .zip(&ride)

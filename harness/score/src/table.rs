@@ -175,7 +175,7 @@ impl TableRow {
             tasks: g.tasks,
             success: g.success_rate,
             interval: g.success_low.zip(g.success_high).map(|(low, high)| [low, high]),
-            means: [g.time_mean_s, g.roll_mean_deg, g.pitch_mean_deg],
+            means: [g.time_mean_s, g.metrics.roll_mean_deg, g.metrics.pitch_mean_deg],
             outcomes: Outcome::ALL.map(|outcome| g.outcomes.get(&outcome).copied().unwrap_or(0)),
             flags: Flag::ALL.map(|flag| g.flags.get(&flag).copied()),
         }

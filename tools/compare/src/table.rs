@@ -231,13 +231,12 @@ mod tests {
     }
 
     fn record(outcome: &str, time: f64, roll: f64) -> TaskRecord {
-        let metrics = json!({
-            "samples": 3000, "roll_mean_deg": roll, "roll_variance_deg2": 1.0, "roll_max_deg": 9.0,
-            "roll_end_deg": 0.0, "pitch_mean_deg": 1.0, "pitch_variance_deg2": 1.0, "pitch_max_deg": 4.0,
-            "distance_m": 100.0, "speed_mean_m_per_s": 3.9, "speed_max_m_per_s": 4.4, "throttle_effort_s": 1.0,
-            "brake_effort_s": 0.0, "steering_effort_s": 1.0, "steering_rate_per_s": 0.1,
-            "reverse_s": 0.0, "goal_distance_min_m": 7.9, "goal_distance_end_m": 42.4, "end_x_m": 0.0, "end_y_m": 0.0,
-        });
+        let metrics = vb_score::Metrics {
+            roll_mean_deg: roll,
+            pitch_mean_deg: 1.0,
+            goal_distance_end_m: 42.4,
+            ..Default::default()
+        };
         serde_json::from_value(json!({
             "task": "w008/t03", "world": "w008", "elevation": "medium", "terrain": "rigid", "density": "dense",
             "outcome": outcome, "three_way": if outcome == "success" { outcome } else { "stuck" },

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 use vb_dataset::{
-    DATASET_SCHEMA, Dataset, DatasetWriter, Header, Kind, LICENCE, Layout, Making, PlannerHeader, keep_apart,
+    DATASET_SCHEMA, Dataset, DatasetWriter, Format, Header, Kind, LICENCE, Layout, Making, PlannerHeader,
+    keep_apart,
 };
 use vb_host::Limits;
 use vb_record::{NewFolder, RunHeader, RunReader};
@@ -84,6 +85,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     };
     let own = Header {
         schema: DATASET_SCHEMA,
+        format: Format::default(),
         name: args.name.clone().unwrap_or_else(|| format!("failures-of-{}", header.plugin.name)),
         kind: Kind::Failures,
         licence: LICENCE.to_owned(),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use vb_dataset::{DATASET_SCHEMA, DatasetWriter, Header, Kind, LICENCE, Layout, Making, keep_apart};
+use vb_dataset::{DATASET_SCHEMA, DatasetWriter, Format, Header, Kind, LICENCE, Layout, Making, keep_apart};
 use vb_host::Limits;
 use vb_record::DataHeader;
 use vb_score::Rules;
@@ -86,6 +86,7 @@ impl<'a> Scene<'a> {
         let Setting { perception, scale, options, .. } = &self.setting;
         Header {
             schema: DATASET_SCHEMA,
+            format: Format::default(),
             name: name.clone().unwrap_or_else(default),
             kind,
             licence: LICENCE.to_owned(),

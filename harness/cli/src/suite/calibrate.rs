@@ -220,7 +220,7 @@ fn evaluate(
         std,
         tasks: records.len(),
         completed: count(&|r| r.outcome == Outcome::Success),
-        tilted: count(&|r| Flag::Tilted.of(r) == Some(true)) as f64 / records.len().max(1) as f64,
+        tilted: count(&|r| r.judged().get(&Flag::Tilted) == Some(&true)) as f64 / records.len().max(1) as f64,
         facet_slope_p99,
     })
 }

@@ -16,37 +16,14 @@ use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 use vb_record::ParquetBounds;
 
+use super::{OWN, open};
 use crate::error::DatasetError;
 use crate::feature::{Dtype, Feature, Values};
-use crate::lerobot::open;
+use crate::format::Batch;
 
 /// A data file at most. Ours have 48 MiB before compression, or one episode.
 const BOUNDS: ParquetBounds =
     ParquetBounds { file: 512 << 20, values: 1 << 28, bytes: 1 << 30, dictionary: 16 << 20 };
-
-/// The frames of one file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Batch {
-    /// The values of each feature.
-    pub(crate) columns: Vec<Values>,
-    /// The time since the start of the episode, s.
-    pub(crate) timestamp: Vec<f32>,
-    pub(crate) frame_index: Vec<i64>,
-    pub(crate) episode_index: Vec<i64>,
-    pub(crate) index: Vec<i64>,
-    pub(crate) task_index: Vec<i64>,
-}
-
-impl Batch {
-    pub(crate) fn new(features: &[Feature]) -> Self {
-        let columns = features.iter().map(|f| Values::new(f.dtype)).collect();
-        Self { columns, ..Self::default() }
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.index.len()
-    }
-}
 
 fn item(dtype: Dtype) -> DataType {
     match dtype {
@@ -85,19 +62,12 @@ fn array(feature: &Feature, values: &Values) -> Result<ArrayRef, ArrowError> {
     })
 }
 
-const F32: DataType = DataType::Float32;
-const I64: DataType = DataType::Int64;
-
-/// The columns of LeRobot's own, which come last.
-const OWN: [(&str, DataType); 5] =
-    [("timestamp", F32), ("frame_index", I64), ("episode_index", I64), ("index", I64), ("task_index", I64)];
-
 /// The content of a data file.
 pub(crate) fn write_data(features: &[Feature], batch: &Batch) -> Result<Vec<u8>, DatasetError> {
     let fail = |e: &dyn std::fmt::Display| DatasetError::Encode { detail: e.to_string() };
     let mut fields: Vec<Field> =
         features.iter().map(|f| Field::new(f.name, nested(item(f.dtype), &f.shape), false)).collect();
-    fields.extend(OWN.map(|(name, kind)| Field::new(name, kind, false)));
+    fields.extend(OWN.map(|(name, dtype)| Field::new(name, item(dtype), false)));
     let mut arrays = Vec::with_capacity(fields.len());
     for (feature, values) in features.iter().zip(&batch.columns) {
         arrays.push(array(feature, values).map_err(|e| fail(&e))?);
@@ -163,18 +133,13 @@ pub(crate) fn read_data(path: &Path, features: &[Feature]) -> Result<Batch, Data
             let values = column(feature.name, feature.dtype, feature.width())?;
             to.append(&values, 0..values.len());
         }
-        if let Values::F32(v) = column("timestamp", Dtype::F32, 1)? {
-            batch.timestamp.extend(v);
-        }
-        let whole = [
-            ("frame_index", &mut batch.frame_index),
-            ("episode_index", &mut batch.episode_index),
-            ("index", &mut batch.index),
-            ("task_index", &mut batch.task_index),
-        ];
-        for (name, to) in whole {
-            if let Values::I64(v) = column(name, Dtype::I64, 1)? {
-                to.extend(v);
+        let Batch { timestamp, frame_index, episode_index, index, task_index, .. } = &mut batch;
+        let mut whole = [frame_index, episode_index, index, task_index].into_iter();
+        for (name, dtype) in OWN {
+            match column(name, dtype, 1)? {
+                Values::F32(v) => timestamp.extend(v),
+                Values::I64(v) => whole.next().into_iter().for_each(|to| to.extend(&v)),
+                _ => return Err(damaged(format!("column {name} is of another type"))),
             }
         }
     }

@@ -15,9 +15,10 @@ use parquet::file::properties::WriterProperties;
 use serde_json::{Map, Value};
 use vb_record::ParquetBounds;
 
-use super::Stats;
 use crate::episode::EpisodeInfo;
 use crate::error::DatasetError;
+use crate::format::{Place, Row};
+use crate::stats::Stats;
 
 /// Limits of a metadata file. Files written here have at most 256 episodes and about a hundred columns.
 const BOUNDS: ParquetBounds =
@@ -26,45 +27,6 @@ const BOUNDS: ParquetBounds =
 const ROWS: usize = 16;
 /// The longest text of an episode, bytes.
 const TEXT: usize = 4096;
-
-/// Where an episode's frames are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
-    /// The number of the data file.
-    pub(crate) file: usize,
-    /// The index of the first frame in the dataset.
-    pub(crate) from: usize,
-    /// The index after the last.
-    pub(crate) to: usize,
-}
-
-/// What is known of an episode.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Row {
-    pub(crate) index: usize,
-    pub(crate) place: Place,
-    pub(crate) info: EpisodeInfo,
-    /// The statistics of each feature, by name; none when read.
-    pub(crate) stats: Vec<(String, Stats)>,
-}
-
-impl Row {
-    /// The first error of the row of episode `number`, whose frames must begin at `first` and lie in data file `file`.
-    pub(crate) fn flaw(&self, number: usize, first: usize, file: usize) -> Option<String> {
-        let Place { from, to, .. } = self.place;
-        if self.index != number || from != first || to <= from {
-            let index = self.index;
-            return Some(format!(
-                "episode {number}: it is said to be {index} with frames {from} to {to}, after {first}"
-            ));
-        }
-        if self.place.file != file {
-            let (is, should) = (self.place.file, file);
-            return Some(format!("episode {number}: it is said to be in data file {is}, not {should}"));
-        }
-        Some(format!("episode {number}: {}", self.info.flaw()?))
-    }
-}
 
 /// Our own fields of an episode, as a flat table: text, numbers, or lists of numbers.
 fn own(info: &EpisodeInfo) -> Map<String, Value> {

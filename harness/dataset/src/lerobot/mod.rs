@@ -2,17 +2,11 @@
 //!
 //! Facts: the documentation "LeRobotDataset v3.0" of huggingface/lerobot, and its `src/lerobot/datasets`.
 
+mod card;
 mod data;
 mod episodes;
 mod info;
-mod stats;
 mod tasks;
-
-pub(crate) use data::{Batch, read_data, write_data};
-pub(crate) use episodes::{Place, Row, read_episodes, write_episodes};
-pub(crate) use info::{Totals, info};
-pub(crate) use stats::{Stats, pooled};
-pub(crate) use tasks::write_tasks;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -21,11 +15,15 @@ use bytes::Bytes;
 use vb_record::ParquetBounds;
 
 use crate::error::DatasetError;
+use crate::feature::{Dtype, Feature};
+use crate::format::json;
+use crate::format::{Batch, Files, Row, Whole};
+use crate::header::Header;
 
 /// The version of the layout.
-pub const CODEBASE_VERSION: &str = "v3.0";
+const CODEBASE_VERSION: &str = "v3.0";
 /// The number of files in a folder.
-pub(crate) const CHUNK: usize = 1000;
+const CHUNK: usize = 1000;
 
 /// The content of a Parquet file that is within bounds.
 fn open(path: &Path, bounds: &ParquetBounds) -> Result<Bytes, DatasetError> {
@@ -36,17 +34,87 @@ fn open(path: &Path, bounds: &ParquetBounds) -> Result<Bytes, DatasetError> {
 }
 
 /// Chunk and file of the data file with this number.
-pub(crate) fn place(number: usize) -> (usize, usize) {
+fn place(number: usize) -> (usize, usize) {
     (number / CHUNK, number % CHUNK)
 }
 
-pub(crate) fn data_path(number: usize) -> PathBuf {
-    let (chunk, file) = place(number);
-    PathBuf::from(format!("data/chunk-{chunk:03}/file-{file:03}.parquet"))
-}
+/// The columns of LeRobot's own, which come last.
+const OWN: [(&str, Dtype); 5] = [
+    ("timestamp", Dtype::F32),
+    ("frame_index", Dtype::I64),
+    ("episode_index", Dtype::I64),
+    ("index", Dtype::I64),
+    ("task_index", Dtype::I64),
+];
 
-/// The path of the file that tells of the episodes in the data file with this number.
-pub(crate) fn episodes_path(number: usize) -> PathBuf {
-    let (chunk, file) = place(number);
-    PathBuf::from(format!("meta/episodes/chunk-{chunk:03}/file-{file:03}.parquet"))
+/// What LeRobot reads first.
+const INFO: &str = "meta/info.json";
+
+/// The format of LeRobot.
+pub(crate) struct LeRobot;
+
+impl Files for LeRobot {
+    fn data_path(&self, number: usize) -> PathBuf {
+        let (chunk, file) = place(number);
+        PathBuf::from(format!("data/chunk-{chunk:03}/file-{file:03}.parquet"))
+    }
+
+    fn episodes_path(&self, number: usize) -> PathBuf {
+        let (chunk, file) = place(number);
+        PathBuf::from(format!("meta/episodes/chunk-{chunk:03}/file-{file:03}.parquet"))
+    }
+
+    fn write_data(&self, features: &[Feature], batch: &Batch) -> Result<Vec<u8>, DatasetError> {
+        data::write_data(features, batch)
+    }
+
+    fn read_data(&self, path: &Path, features: &[Feature]) -> Result<Batch, DatasetError> {
+        data::read_data(path, features)
+    }
+
+    fn write_episodes(&self, rows: &[Row]) -> Result<Vec<u8>, DatasetError> {
+        episodes::write_episodes(rows)
+    }
+
+    fn read_episodes(&self, path: &Path) -> Result<Vec<Row>, DatasetError> {
+        episodes::read_episodes(path)
+    }
+
+    fn whole_paths(&self) -> &'static [&'static str] {
+        &[INFO, "meta/stats.json", "meta/tasks.parquet", "README.md"]
+    }
+
+    fn write_whole(
+        &self,
+        header: &Header,
+        features: &[Feature],
+        whole: &Whole,
+    ) -> Result<Vec<Vec<u8>>, DatasetError> {
+        let stats: serde_json::Map<_, _> = whole
+            .stats
+            .iter()
+            .filter_map(|(name, s)| Some((name.clone(), serde_json::to_value(s).ok()?)))
+            .collect();
+        Ok(vec![
+            json(&info::info(header, features, whole))?,
+            json(&stats)?,
+            tasks::write_tasks(&whole.tasks)?,
+            card::card(header, features, whole).into_bytes(),
+        ])
+    }
+
+    fn total_flaws(&self, dir: &Path, episodes: usize, frames: usize) -> Vec<String> {
+        let totals = vb_files::read_text(&dir.join(INFO), vb_files::DOCUMENT).ok();
+        let totals: Option<serde_json::Value> = totals.and_then(|text| serde_json::from_str(&text).ok());
+        let total = |name: &str| totals.as_ref().and_then(|t| t[name].as_u64());
+        [("total_frames", frames), ("total_episodes", episodes)]
+            .into_iter()
+            .filter(|(name, is)| total(name) != Some(*is as u64))
+            .map(|(name, is)| format!("{INFO}: {name} is not {is}, which the episodes sum to"))
+            .collect()
+    }
+
+    fn are_in(&self, dir: &Path) -> bool {
+        dir.join(INFO).is_file()
+    }
 }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use vb_dataset::{DATASET_SCHEMA, Header, Kind, Layout};
+use vb_dataset::{DATASET_SCHEMA, Format, Header, Kind, Layout};
 use vb_record::DataHeader;
 use vb_world::{
     Heightfield, Obstacle, ObstacleKind, Provenance, Suite, SuiteMeta, SuiteWriter, TerrainClass, World,
@@ -37,6 +37,7 @@ pub fn named(name: &str) -> DataHeader {
 pub fn header(name: &str, layout: Layout, suite: &Suite) -> Header {
     Header {
         schema: DATASET_SCHEMA,
+        format: Format::default(),
         name: name.into(),
         kind: Kind::Explore,
         licence: "CC0-1.0".into(),

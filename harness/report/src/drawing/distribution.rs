@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use vb_page::plot::Frame;
 use vb_page::{escape, number};
+use vb_score::{Distribution, Extent, Measured, Metrics, Ride};
 
 use super::series::colour;
 use super::{Drawing, TEXT, fit, width};
@@ -32,7 +33,7 @@ impl Scale {
 }
 
 /// Values of each run in bins.
-struct Distribution {
+struct Bins {
     scale: Scale,
     low: f64,
     width: f64,
@@ -42,7 +43,7 @@ struct Distribution {
     medians: Vec<Option<f64>>,
 }
 
-impl Distribution {
+impl Bins {
     /// Bins that hold the values of all runs but the far tails, which the outer bins take in; none without values.
     fn new(values: &[Vec<f64>], scale: Scale) -> Option<Self> {
         let sorted = |values: &mut dyn Iterator<Item = f64>| {
@@ -153,56 +154,56 @@ impl Distribution {
     }
 }
 
-/// What a distribution is of.
+/// The function that reads a value of a task, if the task has it.
+type Value = Box<dyn Fn(&Row) -> Option<f64>>;
+
+/// A value of each task whose distribution is drawn.
 pub(crate) struct Quantity {
     pub(crate) title: &'static str,
     pub(crate) unit: &'static str,
-    /// The value of a task, if it has one.
-    pub(crate) value: fn(&Row) -> Option<f64>,
+    pub(crate) value: Value,
 }
 
 impl Quantity {
-    /// What all pages show, the first four in papers too.
-    pub(crate) const ALL: [Self; 10] = [
-        Self { title: "Traversal time of successes", unit: "s", value: |r| r.succeeded().then_some(r.time) },
-        Self { title: "Mean |roll| of a task", unit: "degrees", value: |r| r.measures.map(|m| m.roll.mean) },
-        Self {
-            title: "Mean |pitch| of a task",
-            unit: "degrees",
-            value: |r| r.measures.map(|m| m.pitch.mean),
-        },
-        Self { title: "Mean speed", unit: "m/s", value: |r| r.measures.map(|m| m.speed) },
-        Self {
-            title: "Greatest |roll| of a task",
-            unit: "degrees",
-            value: |r| r.measures.map(|m| m.roll.max),
-        },
-        Self {
-            title: "Greatest |pitch| of a task",
-            unit: "degrees",
-            value: |r| r.measures.map(|m| m.pitch.max),
-        },
-        Self { title: "Way travelled", unit: "m", value: |r| r.measures.map(|m| m.distance) },
-        Self {
-            title: "Distance from the goal at the end of failures",
-            unit: "m",
-            value: |r| r.measures.filter(|_| !r.succeeded()).map(|m| m.goal_distance),
-        },
-        Self {
-            title: "Peak of vertical acceleration at the seat",
-            unit: "g",
-            value: |r| r.ride.map(|ride| ride.seat_peak_z_g),
-        },
-        Self { title: "Absorbed power", unit: "W", value: |r| r.ride.map(|ride| ride.absorbed_power_w) },
-    ];
+    /// The quantities of papers, or with [`Extent::Pages`] of HTML reports, which begin with them: the traversal time, and the
+    /// measures that are declared as drawn.
+    pub(crate) fn all(whose: Extent) -> Vec<Self> {
+        let value = Box::new(|r: &Row| r.succeeded().then_some(r.time));
+        let mut papers = vec![Self { title: "Traversal time of successes", unit: "s", value }];
+        let mut pages = Vec::new();
+        let measures = drawn(Metrics::MEASURES, |r| r.metrics.as_ref());
+        for (of, quantity) in measures.chain(drawn(Ride::MEASURES, |r| r.ride.as_ref())) {
+            if of == Extent::Papers { papers.push(quantity) } else { pages.push(quantity) }
+        }
+        if whose != Extent::Papers {
+            papers.append(&mut pages);
+        }
+        papers
+    }
+}
+
+/// The measures of a part of a record that are drawn.
+fn drawn<T>(
+    measures: &'static [Measured<T>],
+    part: fn(&Row) -> Option<&T>,
+) -> impl Iterator<Item = (Extent, Quantity)> {
+    measures.iter().filter_map(move |m| {
+        let Distribution { title, unit, of } = m.distribution?;
+        let value = move |r: &Row| {
+            let counts = of != Extent::Failures || !r.succeeded();
+            part(r).filter(|_| counts).and_then(|part| m.number(part))
+        };
+        Some((of, Quantity { title, unit, value: Box::new(value) }))
+    })
 }
 
 /// The distribution of a quantity over the tasks of each run; none where no task has it.
 pub(crate) fn distribution(report: &Report, of: &Quantity, scale: Scale, wide: f64) -> Option<Drawing> {
     let runs = &report.runs.runs;
     let labels: Vec<&str> = runs.iter().map(|r| r.label.as_str()).collect();
-    let values: Vec<Vec<f64>> = runs.iter().map(|run| run.counted().filter_map(of.value).collect()).collect();
-    Some(Distribution::new(&values, scale)?.draw(of.title, of.unit, &labels, wide))
+    let values: Vec<Vec<f64>> =
+        runs.iter().map(|run| run.counted().filter_map(&of.value).collect()).collect();
+    Some(Bins::new(&values, scale)?.draw(of.title, of.unit, &labels, wide))
 }
 
 /// A value in few characters: `12.3`, `45.6 k`, `7.8 M`.
@@ -249,19 +250,19 @@ mod tests {
 
     #[test]
     fn every_value_is_in_one_bin_and_foreign_names_are_text() {
-        let h = Distribution::new(&[vec![1.0, 2.0, 2.0, 1e9], vec![f64::NAN]], Scale::Linear).unwrap();
+        let h = Bins::new(&[vec![1.0, 2.0, 2.0, 1e9], vec![f64::NAN]], Scale::Linear).unwrap();
         assert!((h.fractions[0].iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert_eq!(h.medians, [Some(2.0), None]);
         let s = h.draw("a < b", "m", &["<script>", "b"], 460.0).body;
         assert!(s.contains("&lt;script&gt;") && !s.contains("<script") && !s.contains("NaN"), "{s}");
-        assert!(Distribution::new(&[vec![], vec![]], Scale::Linear).is_none());
-        assert!(Distribution::new(&[vec![3.0]], Scale::Linear).is_some());
+        assert!(Bins::new(&[vec![], vec![]], Scale::Linear).is_none());
+        assert!(Bins::new(&[vec![3.0]], Scale::Linear).is_some());
     }
 
     #[test]
     fn a_logarithmic_axis_goes_from_a_power_of_ten_to_another() {
         let values = vec![vec![300.0, 20_000.0], vec![0.0, 4e6]];
-        let h = Distribution::new(&values, Scale::Logarithmic).unwrap();
+        let h = Bins::new(&values, Scale::Logarithmic).unwrap();
         assert_eq!((h.low, h.low + h.width * BINS as f64), (0.0, 7.0));
         let texts = |range| powers(range).into_iter().map(|(_, t)| t).collect::<Vec<_>>();
         assert_eq!(texts([2.0, 5.0]), ["100", "1\u{2009}k", "10\u{2009}k", "100\u{2009}k"]);

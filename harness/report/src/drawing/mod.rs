@@ -27,6 +27,8 @@ use vb_page::{PLOT_STYLE, TABLE_STYLE, escape, print_style};
 
 /// The style of drawings beyond that of plots.
 pub(crate) const DRAWING_STYLE: &str = include_str!("drawing.css");
+/// The style of pages.
+pub(crate) const PAGE_STYLE: &str = include_str!("page.css");
 /// Units of most texts.
 pub(crate) const TEXT: f64 = 12.0;
 /// Width of a figure on the page, in units.
@@ -34,7 +36,7 @@ pub(crate) const PAGE_FIGURE: f64 = 460.0;
 
 /// The style of drawings in files of their own, with these rules beside.
 pub(crate) fn file_style(rules: &str) -> String {
-    print_style(&[PLOT_STYLE, DRAWING_STYLE, rules], &[TABLE_STYLE, crate::page::STYLE])
+    print_style(&[PLOT_STYLE, DRAWING_STYLE, rules], &[TABLE_STYLE, PAGE_STYLE])
 }
 
 /// What is drawn, in units of its own from (0, 0) to (`width`, `height`).

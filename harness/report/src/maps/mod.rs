@@ -51,7 +51,7 @@ pub(crate) struct Way<'a> {
 impl Way<'_> {
     /// Where its outcome is shown, m: where it ended, by the trace or else by the record, or else, which is `false`, at the goal.
     pub(crate) fn end(&self) -> Option<([f64; 2], bool)> {
-        let last = self.points.last().copied().or_else(|| Some(self.row.measures?.end));
+        let last = self.points.last().copied().or_else(|| Some(self.row.metrics?.end()));
         last.map(|p| (p, true)).or_else(|| self.goal.map(|p| (p, false)))
     }
 }

@@ -9,9 +9,8 @@ use vb_map::Sources;
 
 use super::{MAP_SIDE, MapLinks, Way, WorldMap};
 use crate::Report;
-use crate::drawing::DRAWING_STYLE;
 use crate::drawing::series::{colour, marker, sample};
-use crate::page;
+use crate::drawing::{DRAWING_STYLE, PAGE_STYLE};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -51,7 +50,7 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
     let title = format!("{} on {}", world.id, report.runs.scope());
     Page {
         title: &title,
-        styles: &[TABLE_STYLE, DRAWING_STYLE, page::STYLE, vb_map::STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE, vb_map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,
@@ -147,8 +146,8 @@ fn told(report: &Report, w: &Way<'_>) -> String {
     let outcome = w.row.outcome.name().replace('_', " ");
     let note = if w.row.note.is_empty() { String::new() } else { format!(": {}", w.row.note) };
     let label = &report.runs.runs[w.run].label;
-    let place = match (w.points.is_empty(), w.row.measures) {
-        (true, Some(m)) => format!(", {} m from the goal", number(m.goal_distance, 1)),
+    let place = match (w.points.is_empty(), w.row.metrics) {
+        (true, Some(m)) => format!(", {} m from the goal", number(m.goal_distance_end_m, 1)),
         _ => String::new(),
     };
     format!("{label}, {}: {outcome} after {} s{place}{note}", w.row.task, number(w.row.time, 1))

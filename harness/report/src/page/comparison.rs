@@ -6,10 +6,9 @@ use vb_page::{escape, grouped, p_value, signed};
 
 use super::ranking::diff_button;
 use super::sections::legend;
-use crate::compare::Difference;
 use crate::drawing::{PAGE_FIGURE, forest, profile};
 use crate::figures::Measure;
-use crate::verdict::Verdict;
+use crate::verdict::{Difference, Verdict};
 use crate::{Comparison, Report};
 
 /// Pairs up to this number are listed at once, more after a click.

@@ -9,14 +9,21 @@ mod tasks;
 
 use std::fmt::Write as _;
 
-use crate::drawing::{DRAWING_STYLE, levels};
+use crate::drawing::{DRAWING_STYLE, PAGE_STYLE, levels};
 use crate::{Beside, Report};
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped};
 
 const SCRIPT: &str = include_str!("page.js");
-pub(crate) const STYLE: &str = include_str!("page.css");
 
-pub(crate) fn page(report: &Report, beside: &Beside) -> String {
+impl Report {
+    /// The page: one file that needs nothing else, no network either.
+    #[must_use]
+    pub fn page(&self, beside: &Beside) -> String {
+        page(self, beside)
+    }
+}
+
+fn page(report: &Report, beside: &Beside) -> String {
     let first = &report.runs.runs[0].header;
     let title = match (&report.title, &report.runs.runs[..]) {
         (Some(title), _) => title.clone(),
@@ -92,7 +99,7 @@ pub(crate) fn page(report: &Report, beside: &Beside) -> String {
     }
     Page {
         title: &format!("{title} on {suite}"),
-        styles: &[TABLE_STYLE, DRAWING_STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE],
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: &format!("{SORTED_TABLES}{SCRIPT}"),
         ..Page::default()

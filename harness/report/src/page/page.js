@@ -22,25 +22,15 @@
     ['terrain', (r) => data.worlds[r[2]][2]],
     ['density', (r) => data.worlds[r[2]][3]],
     ['outcome', (r) => data.outcomes[r[3]]],
-    ['stopped by', (r) => (r[14] === null ? '' : data.causes[r[14]][1])],
+    ['stopped by', (r) => (r[8] === null ? '' : data.causes[r[8]][1])],
     ['time s', (r) => r[4], 1],
-    ['|roll| °', (r) => r[5], 1],
-    ['most', (r) => r[6], 1],
-    ['|pitch| °', (r) => r[7], 1],
-    ['most', (r) => r[8], 1],
-    ['peak g', (r) => r[15], 1],
-    ['absorbed W', (r) => r[16], 1],
-    ['way m', (r) => r[9], 1],
-    ['to goal m', (r) => r[10], 1],
-    ['fuel 99 %', (r) => r[11], 1],
+    ...data.measures.map(([head, digits], k) => [head, (r) => r[5][k], digits])
+      .filter(([, of]) => data.rows.some((r) => of(r) !== null)),
     ['map', (r) => data.worlds[r[2]][4]],
-    ['replay', (r) => r[13]],
-  ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[13]))
+    ['replay', (r) => r[7]],
+  ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[7]))
     && (c[0] !== 'map' || data.worlds.some((w) => w[4]))
-    && (c[0] !== 'stopped by' || data.rows.some((r) => r[14] !== null))
-    && (c[0] !== 'peak g' || data.rows.some((r) => r[15] !== null))
-    && (c[0] !== 'absorbed W' || data.rows.some((r) => r[16] !== null))
-    && (c[0] !== 'fuel 99 %' || data.rows.some((r) => r[11] !== null)));
+    && (c[0] !== 'stopped by' || data.rows.some((r) => r[8] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
   const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);
   const form = $('form', browser);
@@ -78,20 +68,20 @@
   });
   option(form.cause, '', 'anything');
   data.causes.forEach(([name, title], k) => {
-    if (data.rows.some((r) => r[14] === k)) option(form.cause, name, title);
+    if (data.rows.some((r) => r[8] === k)) option(form.cause, name, title);
   });
   form.cause.parentElement.hidden = form.cause.options.length === 1;
   let sort = null;
   let chosen = [];
   let count = PAGE;
-  const key = (r) => [r[1], ...data.worlds[r[2]].slice(0, 4), data.runs[r[0]][0], data.outcomes[r[3]], r[12]].join(' ').toLowerCase();
+  const key = (r) => [r[1], ...data.worlds[r[2]].slice(0, 4), data.runs[r[0]][0], data.outcomes[r[3]], r[6]].join(' ').toLowerCase();
   const keys = data.rows.map(key);
-  const format = (v, n) => (v === null ? '–' : n === 'fuel 99 %' ? v.toLocaleString('en').replaceAll(',', '\u2009') : v.toFixed(1).replace('-', '−'));
+  const format = (v, digits) => (v === null ? '–' : digits ? v.toFixed(digits).replace('-', '−') : v.toLocaleString('en').replaceAll(',', '\u2009'));
   function draw() {
     tbody.replaceChildren(...chosen.slice(0, count).map((r) => {
       const tr = make('tr');
       tr.tabIndex = 0;
-      for (const [name, of, numeric] of columns) {
+      for (const [name, of, digits] of columns) {
         const v = of(r);
         if (name === 'replay' || name === 'map') {
           const td = make('td');
@@ -111,7 +101,7 @@
           td.append(sample(r[0]), v);
           tr.append(td);
         } else {
-          tr.append(make('td', numeric ? format(v, name) : v, numeric ? 'n' : ''));
+          tr.append(digits === undefined ? make('td', v) : make('td', format(v, digits), 'n'));
         }
       }
       const toggle = () => {
@@ -120,7 +110,7 @@
         const detail = make('tr', undefined, 'detail');
         const td = make('td');
         td.colSpan = columns.length;
-        if (r[12]) td.append(make('p', r[12]));
+        if (r[6]) td.append(make('p', r[6]));
         td.append(make('code', `vb-harness replay ${data.runs[r[0]][1]} --task ${r[1]}`));
         detail.append(td);
         tr.after(detail);
@@ -137,7 +127,7 @@
     const words = form.text.value.toLowerCase().split(/\s+/).filter(Boolean);
     chosen = data.rows.filter((r, k) => (run === '' || r[0] === Number(run))
       && (outcome === '' || (outcome === 'fail' ? r[3] !== 0 : r[3] === Number(outcome)))
-      && (form.cause.value === '' || (r[14] !== null && data.causes[r[14]][0] === form.cause.value))
+      && (form.cause.value === '' || (r[8] !== null && data.causes[r[8]][0] === form.cause.value))
       && parted(r, 'does') && parted(r, 'not') && meant(r)
       && words.every((w) => keys[k].includes(w)));
     if (sort) chosen.sort((a, b) => sort.sign * compare(rank(sort.of(a)), rank(sort.of(b))));
@@ -145,10 +135,10 @@
     draw();
   }
   const row = make('tr');
-  const heads = columns.map(([name, of, numeric]) => {
-    const th = make('th', name, numeric ? 'n' : '');
+  const heads = columns.map(([name, of, digits]) => {
+    const th = make('th', name, digits === undefined ? '' : 'n');
     button(th, () => {
-      const sign = sort && sort.th === th ? -sort.sign : numeric ? -1 : 1;
+      const sign = sort && sort.th === th ? -sort.sign : digits === undefined ? 1 : -1;
       sort = { th, of, sign };
       mark(heads, th, sign > 0);
       filter();

@@ -5,12 +5,11 @@ use std::fmt::Write as _;
 use vb_page::{escape, grouped, p_value, signed};
 
 use super::sections::with_interval;
-use crate::compare::Difference;
 use crate::drawing::series::{colour, marker, sample};
 use crate::figures::{Estimate, Measure};
 use crate::ranking::Ranking;
 use crate::runs::one_line;
-use crate::verdict::Verdict;
+use crate::verdict::{Difference, Verdict};
 use crate::{Comparison, Report};
 
 /// Planners beyond this number have differences of success without a digit behind the point, for the width of a telephone.

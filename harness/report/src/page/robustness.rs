@@ -7,11 +7,10 @@ use vb_score::Outcome;
 
 use super::sections::with_interval;
 use crate::Report;
-use crate::compare::Difference;
 use crate::drawing::{robustness as curve, series};
 use crate::figures::{Estimate, Measure};
 use crate::robustness::Robustness;
-use crate::verdict::Verdict;
+use crate::verdict::{Difference, Verdict};
 
 pub(super) fn robustness(s: &mut String, report: &Report) {
     let Some(r) = &report.robustness else { return };

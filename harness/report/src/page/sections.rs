@@ -7,7 +7,7 @@ use crate::runs::Run;
 use crate::{Beside, Report};
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, number};
-use vb_score::{Flag, Outcome, Ride};
+use vb_score::{Extent, Flag, FuelUse, Outcome, Ride};
 use vb_world::{Density, Elevation, Terrain};
 
 /// Worlds beyond this number are not drawn one by one.
@@ -310,7 +310,8 @@ pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
 
 pub(super) fn distributions(s: &mut String, report: &Report) {
     s.push_str("<div class=\"plots\">");
-    let drawn = Quantity::ALL.iter().filter_map(|of| distribution(report, of, Scale::Linear, PAGE_FIGURE));
+    let drawn = Quantity::all(Extent::Pages);
+    let drawn = drawn.iter().filter_map(|of| distribution(report, of, Scale::Linear, PAGE_FIGURE));
     drawn.for_each(|drawing| drawing.show(s));
     s.push_str("</div>");
 }
@@ -332,14 +333,16 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
         if used.is_empty() {
             s.push_str("<td class=\"n\" colspan=\"6\">not metered</td>");
         } else {
-            let mut medians: Vec<u64> = used.iter().map(|f| f.median).collect();
+            let mut medians: Vec<u64> = used.iter().map(|f| f.p50_step).collect();
             medians.sort_unstable();
-            let most = |f: fn(&crate::runs::Fuel) -> u64| used.iter().map(f).max().unwrap_or(0);
-            for v in [most(|f| f.init), medians[medians.len() / 2], most(|f| f.p99), most(|f| f.max)] {
+            let most = |f: fn(&FuelUse) -> u64| used.iter().map(f).max().unwrap_or(0);
+            for v in
+                [most(|f| f.init), medians[medians.len() / 2], most(|f| f.p99_step), most(|f| f.max_step)]
+            {
                 let _ = write!(s, "<td class=\"n\" data-v=\"{v}\">{}</td>", grouped(v));
             }
             let fraction = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
-            let memory = most(|f| f.memory) as f64 / f64::from(1 << 20);
+            let memory = most(|f| f.memory_bytes) as f64 / f64::from(1 << 20);
             let _ = write!(
                 s,
                 "<td class=\"n\">{}</td><td class=\"n\">{}</td>",
@@ -354,9 +357,9 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
     let fuel = Quantity {
         title: "Fuel of a step, 99 % of a task's steps",
         unit: "units, logarithmic",
-        value: |r| r.fuel.map(|f| f.p99 as f64),
+        value: Box::new(|r| r.fuel.map(|f| f.p99_step as f64)),
     };
-    let time = Quantity { title: "Simulated time of a task", unit: "s", value: |r| Some(r.time) };
+    let time = Quantity { title: "Simulated time of a task", unit: "s", value: Box::new(|r| Some(r.time)) };
     let drawn = [(fuel, Scale::Logarithmic), (time, Scale::Linear)];
     for drawing in drawn.iter().filter_map(|(of, scale)| distribution(report, of, *scale, PAGE_FIGURE)) {
         drawing.show(s);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, json};
-use vb_score::{Cause, Outcome};
+use vb_score::{Cause, FuelUse, Measured, Metrics, Outcome, Reader, Ride};
 
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
 const ROWS: usize = 20_000;
@@ -15,6 +15,7 @@ const ROWS: usize = 20_000;
 pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     let total: usize = report.runs.runs.iter().map(|r| r.rows.len()).sum();
     let each = ROWS / report.runs.runs.len();
+    let columns = columns();
     let mut shown = 0;
     let mut rows = Vec::new();
     for (k, run) in report.runs.runs.iter().enumerate() {
@@ -24,7 +25,7 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
         chosen.extend(run.rows.iter().filter(|r| r.succeeded()).take(room));
         chosen.sort_by(|a, b| a.task.cmp(&b.task));
         shown += chosen.len();
-        rows.extend(chosen.into_iter().map(|r| row(k, r, &beside.replays)));
+        rows.extend(chosen.into_iter().map(|r| row(k, r, &columns, &beside.replays)));
     }
     let worlds: Vec<Value> = report
         .runs
@@ -40,8 +41,9 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     let outcomes: Vec<String> = Outcome::ALL.map(label).into();
     let uncounted = Outcome::HostError.index();
     let causes: Vec<Value> = Cause::ALL.iter().map(|c| json!([c.name(), c.title()])).collect();
+    let measures: Vec<Value> = columns.iter().map(|(head, digits, _)| json!([head, digits])).collect();
     let data = json!({"runs": runs, "worlds": worlds, "outcomes": outcomes, "causes": causes, "uncounted": uncounted,
-                      "rows": rows});
+                      "measures": measures, "rows": rows});
     if !beside.files.is_empty() {
         let list: Vec<String> =
             beside.files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
@@ -67,29 +69,39 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     );
 }
 
+/// A number with two digits after the point.
+fn round(v: f64) -> f64 {
+    (v * 100.0).round() / 100.0
+}
+
+/// A column of a measure: its head, the digits after the point, and the value of a task.
+type Column = (&'static str, usize, Box<dyn Fn(&Row) -> Option<Value>>);
+
+/// The measures that are declared with a column.
+fn columns() -> Vec<Column> {
+    fn of<T>(measures: &'static [Measured<T>], part: fn(&Row) -> Option<&T>) -> impl Iterator<Item = Column> {
+        measures.iter().filter_map(move |m| {
+            let digits = usize::from(!matches!(m.value, Reader::Count(_)));
+            let value = move |r: &Row| m.number(part(r)?).map(|v| json!(round(v)));
+            Some((m.column?, digits, Box::new(value) as Box<_>))
+        })
+    }
+    let metrics = of(Metrics::MEASURES, |r| r.metrics.as_ref());
+    let ride = of(Ride::MEASURES, |r| r.ride.as_ref());
+    metrics.chain(ride).chain(of(FuelUse::MEASURES, |r| r.fuel.as_ref())).collect()
+}
+
 /// A task as the script reads it.
-fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
-    let outcome = r.outcome.index();
-    let round = |v: f64| (v * 100.0).round() / 100.0;
-    let m = r.measures;
-    let of = |f: fn(&crate::runs::Measures) -> f64| m.as_ref().map(|m| round(f(m)));
+fn row(run: usize, r: &Row, columns: &[Column], replays: &BTreeSet<String>) -> Value {
     json!([
         run,
         &*r.task,
         r.world,
-        outcome,
+        r.outcome.index(),
         round(r.time),
-        of(|m| m.roll.mean),
-        of(|m| m.roll.max),
-        of(|m| m.pitch.mean),
-        of(|m| m.pitch.max),
-        of(|m| m.distance),
-        of(|m| m.goal_distance),
-        r.fuel.map(|f| f.p99),
+        columns.iter().map(|(.., value)| value(r)).collect::<Vec<_>>(),
         &*r.note,
         u8::from(replays.contains(&*r.task)),
         r.cause.and_then(|cause| Cause::ALL.iter().position(|c| *c == cause)),
-        r.ride.map(|ride| round(ride.seat_peak_z_g)),
-        r.ride.map(|ride| round(ride.absorbed_power_w)),
     ])
 }

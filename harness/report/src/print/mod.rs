@@ -5,6 +5,7 @@ mod sheet;
 
 use vb_figure::Figure;
 use vb_page::plot::Frame;
+use vb_score::Extent;
 
 use crate::Report;
 use crate::drawing::{
@@ -200,8 +201,8 @@ impl Report {
         }
         let columns = sheet.columns(COLUMN, 2);
         let wide = sheet.share(columns);
-        let of = |of| distribution(self, of, Scale::Linear, wide);
-        let drawings: Vec<Drawing> = Quantity::ALL[..4].iter().filter_map(of).collect();
+        let of = |of: &Quantity| distribution(self, of, Scale::Linear, wide);
+        let drawings: Vec<Drawing> = Quantity::all(Extent::Papers).iter().filter_map(of).collect();
         if drawings.is_empty() {
             return None;
         }

@@ -6,9 +6,10 @@ mod meter;
 mod tests;
 mod weighting;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
-use crate::measures::{MOST, measures, outside};
+use crate::measures::Extent::Pages;
+use crate::measures::measures;
 
 pub use meter::{RideMeter, RideStep};
 
@@ -27,18 +28,19 @@ const LANDED_S: f64 = 0.2;
 measures! {
     /// Shock and ride over the steps of a simulation, from the start of the trial to the sample that decided it. Accelerations are
     /// those of the chassis at the driver's seat, without gravity, along the axes of the body.
-    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-    pub struct Ride {
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+    "ride": pub struct Ride {
         /// Peak of the magnitude of the acceleration at the seat, below 30 Hz, g.
         pub seat_peak_g: f64,
         /// Peak of its vertical component, below 30 Hz, g.
-        pub seat_peak_z_g: f64,
+        pub seat_peak_z_g: f64
+            => column("peak g") drawn(Pages, "Peak of vertical acceleration at the seat", "g"),
         /// Total vibration value at the seat, m/s²: the root of 1.4² (x² + y²) + z², weighted by W_d, W_d and W_k.
         pub seat_rms_m_per_s2: f64,
         /// Vertical vibration at the seat, m/s²: the effective value weighted by W_k.
         pub seat_rms_z_m_per_s2: f64,
         /// Mean power that the driver absorbs from vertical vibration, W.
-        pub absorbed_power_w: f64,
+        pub absorbed_power_w: f64 => column("absorbed W") drawn(Pages, "Absorbed power", "W"),
         /// Fraction of the time in which no wheel bears a load and the hull is free.
         pub airborne_fraction: f64,
         /// Whether the vehicle was upright (tilt below 60°) with a load on two wheels or more in the last 0.2 s.
@@ -49,29 +51,5 @@ measures! {
         /// Fraction of the steps in which the depth of a wheel was limited.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub held_fraction: Option<f64>,
-    }
-}
-
-impl Ride {
-    /// The first measure that no simulation can have, as its name, its value and what is allowed.
-    #[must_use]
-    pub fn flaw(&self) -> Option<String> {
-        Self::MEASURES.iter().find_map(|m| {
-            let value = m.number(self)?;
-            let most = if m.name.ends_with("_fraction") { 1.0 } else { MOST };
-            outside(m.name, value, 0.0, most)
-        })
-    }
-
-    /// Reads a ride of a record, which may be of strangers.
-    ///
-    /// # Errors
-    /// Returns an error if a measure is missing, or can't be one.
-    pub(crate) fn checked<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
-        let ride = Option::<Self>::deserialize(from)?;
-        match ride.as_ref().and_then(Self::flaw) {
-            Some(flaw) => Err(serde::de::Error::custom(format!("ride.{flaw}"))),
-            None => Ok(ride),
-        }
     }
 }

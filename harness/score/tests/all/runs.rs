@@ -332,11 +332,11 @@ fn thinned_traces_pool_the_means_of_the_run() {
         let (thin, own) = (thin.unwrap(), own.unwrap());
         assert!((thin - own).abs() < 0.01 * own, "{thin}, the run has {own}");
     };
-    near(thin.roll_mean_deg, own.roll_mean_deg);
-    near(thin.roll_variance_deg2, own.roll_variance_deg2);
-    near(thin.pitch_mean_deg, own.pitch_mean_deg);
-    near(thin.pitch_variance_deg2, own.pitch_variance_deg2);
-    near(thin.roll_task_mean_deg, own.roll_task_mean_deg);
+    near(thin.metrics.roll_mean_deg, own.metrics.roll_mean_deg);
+    near(thin.metrics.roll_variance_deg2, own.metrics.roll_variance_deg2);
+    near(thin.metrics.pitch_mean_deg, own.metrics.pitch_mean_deg);
+    near(thin.metrics.pitch_variance_deg2, own.metrics.pitch_variance_deg2);
+    near(thin.metrics.roll_task_mean_deg, own.metrics.roll_task_mean_deg);
 }
 
 #[test]
@@ -417,10 +417,10 @@ fn a_summary_counts_and_averages_as_documented() {
     near(all.time_mean_s, 2.0);
     near(all.time_std_s, 1.0);
     // 402 samples of 1°, 402 of 3°, 804 of 7°: mean (1 + 3 + 14) / 4, mean square (1 + 9 + 98) / 4.
-    near(all.roll_mean_deg, 4.5);
-    near(all.roll_variance_deg2, 27.0 - 20.25);
-    near(all.roll_max_deg, 7.0);
-    near(all.roll_task_mean_deg, (1.0 + 1.0 + 3.0 + 7.0) / 4.0);
+    near(all.metrics.roll_mean_deg, 4.5);
+    near(all.metrics.roll_variance_deg2, 27.0 - 20.25);
+    near(all.metrics.roll_max_deg, 7.0);
+    near(all.metrics.roll_task_mean_deg, (1.0 + 1.0 + 3.0 + 7.0) / 4.0);
     assert_eq!(all.outcomes[&Outcome::PlannerError], 2);
     assert_eq!(all.three_way[&ThreeWay::Stuck], 2);
     // No roll above 30°; a shock in each, so no success is a strict one.
@@ -436,7 +436,7 @@ fn a_summary_counts_and_averages_as_documented() {
     assert_eq!(summary.elevation.keys().copied().collect::<Vec<_>>(), [Elevation::Low, Elevation::High]);
     let high = &summary.elevation[&Elevation::High];
     assert_eq!((high.tasks, high.success_rate), (2, 1.0));
-    near(high.roll_variance_deg2, 0.0);
+    near(high.metrics.roll_variance_deg2, 0.0);
     assert_eq!(summary.elevation[&Elevation::Low].time_mean_s, None);
     assert_eq!(summary.world.len(), 2);
 }

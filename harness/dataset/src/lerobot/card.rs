@@ -1,8 +1,8 @@
 //! The card of a dataset: `README.md`, which people and the Hugging Face hub read.
 
 use crate::feature::Feature;
+use crate::format::Whole;
 use crate::header::{Header, Kind};
-use crate::writer::Summary;
 
 /// A number with a comma after each three digits.
 fn grouped(n: usize) -> String {
@@ -50,13 +50,9 @@ fn again(header: &Header) -> String {
     }
 }
 
-pub(crate) fn card(
-    header: &Header,
-    features: &[Feature],
-    (episodes, frames): (usize, usize),
-    summary: &Summary,
-) -> String {
-    let hours = frames as f64 / f64::from(header.hz) / 3600.0;
+pub(crate) fn card(header: &Header, features: &[Feature], whole: &Whole) -> String {
+    let Whole { episodes, frames, summary, .. } = whole;
+    let hours = *frames as f64 / f64::from(header.hz) / 3600.0;
     let outcomes: Vec<String> =
         summary.outcomes.iter().map(|(name, n)| format!("{name} {}", grouped(*n))).collect();
     let mut rows = String::new();
@@ -90,8 +86,8 @@ pub(crate) fn card(
          `meta/episodes` has one row per episode with its world, driver, outcome and reason.\n",
         licence.to_lowercase(),
         about(header),
-        grouped(episodes),
-        grouped(frames),
+        grouped(*episodes),
+        grouped(*frames),
         summary.distance_m / 1000.0,
         outcomes.join(", "),
         header.vehicle.name,
