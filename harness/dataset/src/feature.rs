@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use vb_sdk::crop::Window;
 use vb_sdk::{Command, Observation, Pose2};
 use vb_sim::{Controls, Gear, VehicleState};
+use vb_trial::{gear_number, simulated_gear};
 use vb_world::World;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -377,22 +378,6 @@ impl Values {
     }
 }
 
-fn gear(gear: Gear) -> f64 {
-    match gear {
-        Gear::Reverse => -1.0,
-        Gear::Neutral => 0.0,
-        Gear::Forward => 1.0,
-    }
-}
-
-fn given_gear(gear: vb_sdk::Gear) -> f64 {
-    match gear {
-        vb_sdk::Gear::Reverse => -1.0,
-        vb_sdk::Gear::Neutral => 0.0,
-        vb_sdk::Gear::Forward => 1.0,
-    }
-}
-
 /// The label of an obstacle in a crop.
 const OBSTACLE: u8 = 10;
 /// The label beyond the world.
@@ -407,7 +392,7 @@ impl Feature {
                 let p = seen.pose.unwrap_or_default();
                 to.f32([p.position.x, p.position.y, p.position.z, p.roll, p.pitch, p.yaw]);
                 to.f32([p.linear_velocity, p.angular_velocity].into_iter().flat_map(|v| [v.x, v.y, v.z]));
-                to.f32([seen.steering, seen.engine_speed, given_gear(seen.gear)]);
+                to.f32([seen.steering, seen.engine_speed, gear_number(simulated_gear(seen.gear))]);
             }
             Fill::Wheels => {
                 to.f32(seen.wheels.iter().flat_map(|w| [w.spin, w.travel]));
@@ -443,18 +428,18 @@ impl Feature {
                 // As the vehicle takes it: what is out of range counts as the end of the range.
                 let (steering, [throttle, brake]) =
                     (c.steering.clamp(-1.0, 1.0), [c.throttle, c.brake].map(|v| v.clamp(0.0, 1.0)));
-                to.f32([steering, throttle, brake, given_gear(c.gear)]);
+                to.f32([steering, throttle, brake, gear_number(simulated_gear(c.gear))]);
             }
             Fill::Speed => to.f32([frame.speed]),
             Fill::Applied => {
                 let c = frame.taken;
-                to.f32([frame.steering, c.throttle, c.brake, gear(frame.gear_after)]);
+                to.f32([frame.steering, c.throttle, c.brake, gear_number(frame.gear_after)]);
             }
             Fill::TrueState => {
                 let (roll, pitch, yaw) = state.roll_pitch_yaw();
                 let (p, v, w) = (state.position, state.velocity, state.angular_velocity);
                 to.f32([p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
-                to.f32([state.steering, state.engine_speed, gear(state.gear)]);
+                to.f32([state.steering, state.engine_speed, gear_number(state.gear)]);
             }
             Fill::TrueWheels => to.f32(state.wheels.iter().flat_map(|w| [w.load, w.sinkage])),
             Fill::Ground => {

@@ -26,13 +26,13 @@ mod worlds;
 mod writer;
 
 pub use combine::{merge, repeated, split};
-pub use episode::{Episode, EpisodeInfo, View};
+pub use episode::{Ending, Episode, EpisodeInfo, View};
 pub use error::DatasetError;
 pub use explore::Exploration;
 pub use failure::{SECONDS, failures};
 pub use feature::{CROP_SIDE, Dtype, Feature, Layout, Values};
 pub use header::{DATASET_SCHEMA, Header, Kind, LICENCE, PlannerHeader};
-pub use make::{Amount, ENDED, Kept, Making, Planner, Progress, keep_apart};
+pub use make::{Amount, Kept, Making, Planner, Progress, keep_apart};
 pub use part::Part;
 pub use reader::Dataset;
 pub use validate::{Findings, validate};

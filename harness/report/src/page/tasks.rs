@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, json};
 use vb_score::{Cause, Outcome};
+use vb_world::TaskId;
 
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
 const ROWS: usize = 20_000;
@@ -68,14 +69,14 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
 }
 
 /// A task as the script reads it.
-fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
+fn row(run: usize, r: &Row, replays: &BTreeSet<TaskId>) -> Value {
     let outcome = r.outcome.index();
     let round = |v: f64| (v * 100.0).round() / 100.0;
     let m = r.measures;
     let of = |f: fn(&crate::runs::Measures) -> f64| m.as_ref().map(|m| round(f(m)));
     json!([
         run,
-        &*r.task,
+        r.task,
         r.world,
         outcome,
         round(r.time),
@@ -87,7 +88,7 @@ fn row(run: usize, r: &Row, replays: &BTreeSet<String>) -> Value {
         of(|m| m.goal_distance),
         r.fuel.map(|f| f.p99),
         &*r.note,
-        u8::from(replays.contains(&*r.task)),
+        u8::from(replays.contains(&r.task)),
         r.cause.and_then(|cause| Cause::ALL.iter().position(|c| *c == cause)),
         r.ride.map(|ride| round(ride.seat_peak_z_g)),
         r.ride.map(|ride| round(ride.absorbed_power_w)),
