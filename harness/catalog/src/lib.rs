@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use vb_sense::Profile;
 use vb_sim::{SoilSet, Soils};
 use vb_vehicle::{Vehicle, VehicleSpec};
-use vb_world::{Selector, SelectorError, Suite, TaskRef, WorldInfo};
+use vb_world::{Selector, SelectorError, Suite, TaskId, WorldInfo};
 
 pub use carried::Carried;
 pub use error::CatalogError;
@@ -294,13 +294,9 @@ fn perception_at(file: Result<PathBuf, CatalogError>, wanted: &str) -> Result<Pr
 ///
 /// # Errors
 /// Returns an error if the selector makes no sense, or names what the suite doesn't have.
-pub fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, SelectorError> {
+pub fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskId>, SelectorError> {
     let Some(text) = selector else {
-        let of = |w: &WorldInfo| {
-            let world = w.id.clone();
-            w.tasks.clone().into_iter().map(move |task| TaskRef { world: world.clone(), task })
-        };
-        return Ok(suite.worlds().iter().flat_map(of).collect());
+        return Ok(suite.worlds().iter().flat_map(WorldInfo::task_ids).collect());
     };
     Selector::parse(text)?.select(suite)
 }

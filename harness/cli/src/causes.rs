@@ -31,8 +31,7 @@ impl From<StoreError> for CliError {
             StoreError::Io { .. }
             | StoreError::NoRun(_)
             | StoreError::Schema { .. }
-            | StoreError::Damaged { .. }
-            | StoreError::TaskName(_) => Self::input(e),
+            | StoreError::Damaged { .. } => Self::input(e),
         }
     }
 }

@@ -5,7 +5,7 @@ use vb_files::one_line;
 use vb_host::Limits;
 use vb_runner::conformance::{Check, Kit, Report, Verdict, check as check_plugin};
 use vb_score::Rules;
-use vb_world::TaskRef;
+use vb_world::TaskId;
 
 use crate::args::{CheckArgs, MessageFormat, RULES, SOIL_RESOLUTION, SOILS, VEHICLE};
 use crate::error::CliError;
@@ -68,7 +68,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
 }
 
 /// The first, the middle and the last: tasks of different worlds, as a rule.
-fn spread(tasks: Vec<TaskRef>) -> Vec<TaskRef> {
+fn spread(tasks: Vec<TaskId>) -> Vec<TaskId> {
     let mut places = vec![0, tasks.len() / 2, tasks.len().saturating_sub(1)];
     places.dedup();
     places.into_iter().filter_map(|i| tasks.get(i).cloned()).collect()
@@ -110,8 +110,8 @@ mod tests {
     #[test]
     fn three_tasks_are_spread_over_those_chosen_and_none_comes_twice() {
         let tasks = |n: usize| {
-            let all = (0..n).map(|i| TaskRef { world: "w001".into(), task: format!("t{i:02}") }).collect();
-            spread(all).into_iter().map(|t| t.task).collect::<Vec<_>>().join(" ")
+            let all = (0..n).map(|i| TaskId::new("w001", &format!("t{i:02}")).unwrap()).collect();
+            spread(all).into_iter().map(|t| t.task().to_owned()).collect::<Vec<_>>().join(" ")
         };
         assert_eq!(tasks(100), "t00 t50 t99");
         assert_eq!(

@@ -37,11 +37,10 @@ pub(crate) fn write(report: &Report, suite: Option<&Path>, path: &Path) -> Resul
                 continue;
             }
             let trace = reader.trace(&row.task).map_err(CliError::input)?;
-            let world = row.task.split('/').next().unwrap_or_default();
             // A run at another scale has the world smaller than it is on the Earth.
             let at = |x: f64, y: f64| {
-                let [lon, lat] =
-                    globe.lon_lat(place.at(world, [x / run.header.scale, y / run.header.scale])?)?;
+                let [lon, lat] = globe
+                    .lon_lat(place.at(row.task.world(), [x / run.header.scale, y / run.header.scale])?)?;
                 Some([lon, lat].map(|v| (v * DECIMALS).round() / DECIMALS))
             };
             let line: Option<Vec<_>> = trace.samples.iter().map(|s| at(s.x, s.y)).collect();

@@ -8,7 +8,7 @@ use vb_replay::Links;
 use vb_report::Runs;
 use vb_submission::SubmissionError;
 use vb_submission::leaderboard::{self, Entry};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
@@ -88,7 +88,7 @@ impl leaderboard::Source for Shown<'_> {
         entry: &Entry,
         runs: &Runs,
         out: &Path,
-    ) -> Result<BTreeSet<String>, SubmissionError> {
+    ) -> Result<BTreeSet<TaskId>, SubmissionError> {
         Ok(replays(entry, runs, out, self.site).unwrap_or_else(|e| {
             output::say(&format!("entry {}: no replays: {e}", entry.id));
             BTreeSet::new()
@@ -96,8 +96,8 @@ impl leaderboard::Source for Shown<'_> {
     }
 }
 
-fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeSet<String>, CliError> {
-    let tasks: BTreeSet<String> = entry.manifest.replays.iter().cloned().collect();
+fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeSet<TaskId>, CliError> {
+    let tasks: BTreeSet<TaskId> = entry.manifest.replays.iter().cloned().collect();
     let mut made = BTreeSet::new();
     if tasks.is_empty() {
         return Ok(made);

@@ -6,6 +6,7 @@ use serde::Serialize;
 use vb_record::RunReader;
 use vb_runner::shards_in;
 use vb_score::Summary;
+use vb_world::TaskId;
 
 use crate::args::{MergeRunArgs, MessageFormat};
 use crate::error::CliError;
@@ -20,9 +21,9 @@ enum Message<'a> {
     Merged {
         out: &'a Path,
         shards: usize,
-        missing: &'a [String],
-        twice: &'a [String],
-        untraced: &'a [String],
+        missing: &'a [TaskId],
+        twice: &'a [TaskId],
+        untraced: &'a [TaskId],
         summary: &'a Summary,
     },
 }
@@ -81,8 +82,8 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
 }
 
 /// The names of some tasks.
-fn some(tasks: &[String]) -> String {
-    let named = tasks.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+fn some(tasks: &[TaskId]) -> String {
+    let named = tasks.iter().take(NAMED).map(TaskId::as_str).collect::<Vec<_>>().join(", ");
     match tasks.len().saturating_sub(NAMED) {
         0 => named,
         more => format!("{named} and {more} more"),

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 
 use clap::ColorChoice;
 use serde::Serialize;
+use vb_files::NewFile;
 use vb_record::RunReader;
 use vb_replay::{Replay, write_mcap};
 use vb_score::Outcome;
@@ -118,15 +119,9 @@ pub(crate) fn whole(
     let failed = |e: std::io::Error| unwritten(path, &e);
     match Destination::of(path).map_err(failed)? {
         Destination::Stream(mut file) => make(&mut file),
-        Destination::File(mut new, place) => {
+        Destination::File(mut new) => {
             make(new.as_file_mut())?;
-            match new.as_file().sync_all() {
-                // Some file systems can't make a file durable, and say that it is no operation of theirs.
-                Err(e) if matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {}
-                other => other.map_err(failed)?,
-            }
-            new.persist(place).map_err(|e| failed(e.error))?;
-            Ok(())
+            new.finish().map_err(failed)
         }
     }
 }
@@ -148,11 +143,7 @@ pub(crate) fn must_be_writable(path: &Path) -> Result<(), CliError> {
 /// # Errors
 /// Returns the error that writing it would end in.
 pub(crate) fn must_be_replaceable(path: &Path) -> Result<(), CliError> {
-    if std::fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
-        let in_the_way = "a link, folder or device of that name is in the way";
-        return Err(unwritten(path, &std::io::Error::new(ErrorKind::AlreadyExists, in_the_way)));
-    }
-    must_be_writable(path)
+    NewFile::at(path).map(drop).map_err(|e| unwritten(path, &e))
 }
 
 /// Where the content of a file goes at first.
@@ -160,7 +151,7 @@ enum Destination {
     /// Into what can't be replaced.
     Stream(File),
     /// Into a file beside it, which is then given its place.
-    File(tempfile::NamedTempFile, PathBuf),
+    File(NewFile),
 }
 
 impl Destination {
@@ -173,13 +164,7 @@ impl Destination {
             Ok(_) => std::fs::canonicalize(path)?,
             Err(_) => path.to_owned(),
         };
-        let folder = place.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".").suffix(".tmp");
-        // Temporary files are for their owner alone; this one becomes an ordinary file, as the user's umask has it.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        Ok(Self::File(builder.tempfile_in(folder)?, place))
+        NewFile::at(&place).map(Self::File)
     }
 }
 

@@ -15,7 +15,7 @@ use vb_sdk::metadata::Need;
 use vb_sense::{Perception, Profile, Seed};
 use vb_sim::{SimOptions, Soils};
 use vb_vehicle::{VehicleModel, VehicleSpec};
-use vb_world::{Suite, World};
+use vb_world::{Suite, TaskId, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
 use crate::error::CliError;
@@ -25,7 +25,7 @@ use crate::{film, output, places};
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
     Replay {
-        task: &'a str,
+        task: &'a TaskId,
         exact: Vec<bool>,
         page: Option<&'a Path>,
         mcap: Option<&'a Path>,
@@ -53,7 +53,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     let mut player = Player::new(&runs, &args.data, senses, &tasks)?;
     let replay = player.replay(&args.task)?.ok_or_else(|| {
         // A single task that some run lacks is a mistake; of many it is one that isn't done yet.
-        let without = runs.runs.iter().find(|r| r.rows.iter().all(|row| *row.task != *args.task));
+        let without = runs.runs.iter().find(|r| r.rows.iter().all(|row| row.task != args.task));
         let run = without.unwrap_or(&runs.runs[0]);
         CliError::usage(ReplayError::NoTask {
             dir: run.dir.clone(),
@@ -130,7 +130,7 @@ struct Part {
     header: RunHeader,
     label: String,
     reader: RunReader,
-    records: BTreeMap<String, TaskRecord>,
+    records: BTreeMap<TaskId, TaskRecord>,
     rules: Option<Rules>,
     vehicle: VehicleModel,
     /// None where vehicle or soils at hand are not those of the run.
@@ -188,9 +188,9 @@ impl Senses<'_> {
 
 impl Part {
     /// The sensors of a task's vehicle; none if none is shown.
-    fn sensors(&self, world: &Arc<World>, task: &str) -> Option<Sensors> {
+    fn sensors(&self, world: &Arc<World>, task: &TaskId) -> Option<Sensors> {
         let (profile, needs) = self.senses.as_ref()?;
-        let seed = Seed { run: self.header.seed, task: task.to_owned() };
+        let seed = Seed { run: self.header.seed, task: task.to_string() };
         let scene = Sensors::scene(world);
         // The needs were held against the profile when the run was opened.
         let perception = Perception::new(profile, needs, &scene, self.vehicle.spec(), &seed).ok()?;
@@ -211,7 +211,7 @@ impl Player {
         runs: &Runs,
         data: &ReplayData,
         senses: Senses<'_>,
-        tasks: &BTreeSet<String>,
+        tasks: &BTreeSet<TaskId>,
     ) -> Result<Self, CliError> {
         let first = &runs.runs[0];
         for other in &runs.runs[1..] {
@@ -235,37 +235,35 @@ impl Player {
     }
 
     /// Those of the tasks that all runs have done, in their order.
-    pub(crate) fn done<'a>(&self, tasks: impl IntoIterator<Item = &'a String>) -> Vec<String> {
-        let all = |task: &&String| self.parts.iter().all(|p| p.records.contains_key(*task));
+    pub(crate) fn done<'a>(&self, tasks: impl IntoIterator<Item = &'a TaskId>) -> Vec<TaskId> {
+        let all = |task: &&TaskId| self.parts.iter().all(|p| p.records.contains_key(*task));
         tasks.into_iter().filter(all).cloned().collect()
     }
 
     /// The replay of one of the tasks; none if a run hasn't done it.
-    pub(crate) fn replay(&mut self, task: &str) -> Result<Option<Replay>, CliError> {
-        let Some((world_id, task_id)) = task.split_once('/') else { return Ok(None) };
+    pub(crate) fn replay(&mut self, task: &TaskId) -> Result<Option<Replay>, CliError> {
         if self.parts.iter().any(|p| !p.records.contains_key(task)) {
             return Ok(None);
         }
         let scale = self.parts[0].header.scale;
         // Tasks come world by world.
         let world = match &self.world {
-            Some(world) if world.id == world_id => world.clone(),
+            Some(world) if world.id == task.world() => world.clone(),
             _ => {
-                let world = self.suite.load_world(world_id).map_err(CliError::input)?;
+                let world = self.suite.load_world(task.world()).map_err(CliError::input)?;
                 Arc::new(world.at_scale(scale))
             }
         };
         self.world = Some(world.clone());
-        let found = world.task(task_id).cloned().ok_or_else(|| {
-            CliError::input(ReplayError::OtherSuite { world: world_id.to_owned(), task: task_id.to_owned() })
-        })?;
+        let found = world.task(task.task()).cloned();
+        let found = found.ok_or_else(|| CliError::input(ReplayError::OtherSuite(task.clone())))?;
         let mut runs = Vec::new();
         for part in &self.parts {
             let Some(record) = part.records.get(task) else { return Ok(None) };
             if !part.reader.has_trace(task).map_err(CliError::input)? {
                 return Err(CliError::input(ReplayError::NoTrace {
                     dir: part.reader.dir().to_owned(),
-                    task: task.to_owned(),
+                    task: task.clone(),
                 }));
             }
             let trace = part.reader.trace(task).map_err(CliError::input)?;
@@ -342,7 +340,7 @@ fn part(
     r: &vb_report::Run,
     data: &ReplayData,
     senses: Senses<'_>,
-    tasks: &BTreeSet<String>,
+    tasks: &BTreeSet<TaskId>,
 ) -> Result<Part, CliError> {
     let header = r.header.clone();
     let vehicle = places::catalog()

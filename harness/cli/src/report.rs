@@ -7,7 +7,7 @@ use serde::Serialize;
 use vb_figure::Figure;
 use vb_replay::Links;
 use vb_report::{Beside, MapLinks, Paper, Report, Runs, write_csv, write_parquet};
-use vb_world::{Suite, World};
+use vb_world::{Suite, TaskId, World};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
@@ -182,10 +182,9 @@ fn replays(
     args: &ReportArgs,
     selector: &str,
     out: &Path,
-) -> Result<BTreeSet<String>, CliError> {
+) -> Result<BTreeSet<TaskId>, CliError> {
     let player = Player::new(report.runs(), &args.data, Senses::default(), &BTreeSet::new())?;
-    let chosen = suite::select(player.suite(), Some(selector))?;
-    let chosen: BTreeSet<String> = chosen.iter().map(ToString::to_string).collect();
+    let chosen: BTreeSet<TaskId> = suite::select(player.suite(), Some(selector))?.into_iter().collect();
     let mut player = Player::new(report.runs(), &args.data, Senses::default(), &chosen)?;
     let mut made = BTreeSet::new();
     let tasks = player.done(&chosen);
@@ -231,7 +230,7 @@ impl Worlds {
         let done: BTreeSet<&str> = report.runs().worlds.iter().map(|w| w.name.as_str()).collect();
         let chosen = suite::select(&suite, Some(selector))?;
         let ids: BTreeSet<String> =
-            chosen.into_iter().map(|t| t.world).filter(|w| done.contains(w.as_str())).collect();
+            chosen.iter().map(TaskId::world).filter(|w| done.contains(w)).map(str::to_owned).collect();
         Ok(Self { suite, scale: first.header.scale, ids: ids.into_iter().collect() })
     }
 
@@ -245,7 +244,7 @@ fn maps(
     report: &Report,
     args: &ReportArgs,
     selector: &str,
-    replays: &BTreeSet<String>,
+    replays: &BTreeSet<TaskId>,
     out: &Path,
 ) -> Result<BTreeSet<String>, CliError> {
     let worlds = Worlds::of(report, args, selector)?;

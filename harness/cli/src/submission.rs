@@ -14,7 +14,7 @@ use vb_submission::{
     Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
     ShippedVehicle, Submission, SubmissionError, Verification,
 };
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SOIL_RESOLUTION, SOILS, SubmitArgs, VerifyArgs};
 use crate::error::{self, CliError};
@@ -25,7 +25,7 @@ use vb_catalog::Data;
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
-    Submission { out: &'a Path, division: Division, open_because: &'a [OpenReason], replays: &'a [String] },
+    Submission { out: &'a Path, division: Division, open_because: &'a [OpenReason], replays: &'a [TaskId] },
     Progress { done: usize, total: usize },
     Verification { verdict: &'a Verification, out: &'a Path },
     Scores { scores: &'a Scores },
@@ -57,9 +57,8 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     let replays = match &args.replays {
         Some(selector) => {
             let tasks = suite::select(&suite, Some(selector))?;
-            let names: Vec<_> = tasks.iter().map(ToString::to_string).collect();
-            vb_submission::check_replays(&names)?;
-            Some(names)
+            vb_submission::check_replays(&tasks)?;
+            Some(tasks)
         }
         None => None,
     };

@@ -16,7 +16,7 @@ mod spec;
 use serde::{Deserialize, Serialize};
 use vb_files::DocumentError;
 use vb_math::rng::Stream;
-use vb_world::{Suite, TaskRef, WorldInfo};
+use vb_world::{Suite, SuiteError, TaskId, WorldInfo};
 
 use learnability::Learnability;
 use manual::Manual;
@@ -64,11 +64,11 @@ impl Curriculum {
     /// A curriculum over tasks of a suite, for so many environments.
     ///
     /// # Errors
-    /// Returns an error if there is no task or environment, or a stage has none of the tasks.
+    /// Returns an error if there is no task or environment, a task is not in the suite, or a stage has none of the tasks.
     pub fn new(
         spec: &Spec,
         suite: &Suite,
-        tasks: &[TaskRef],
+        tasks: &[TaskId],
         environments: usize,
         seed: u64,
     ) -> Result<Self, DocumentError> {
@@ -106,8 +106,9 @@ impl Curriculum {
             }
             Method::Replay(method) => Learned::Replay(Replay::new(method, tasks.len())),
         };
-        let drawn = vec![0; environments];
-        Ok(Self { tasks: tasks.len(), seed, memory: Memory { tasks: hash(suite, tasks), drawn, method } })
+        let hash = hash(suite, tasks).map_err(|e| flaw("tasks".to_owned(), e.to_string()))?;
+        let memory = Memory { tasks: hash, drawn: vec![0; environments], method };
+        Ok(Self { tasks: tasks.len(), seed, memory })
     }
 
     #[must_use]
@@ -221,18 +222,18 @@ impl Curriculum {
 }
 
 /// The hash of a list of tasks: of their names, and of what their worlds hold.
-fn hash(suite: &Suite, tasks: &[TaskRef]) -> String {
-    let content = |t: &TaskRef| suite.worlds().iter().find(|w| w.id == t.world).map_or("", |w| &w.sha256);
-    let lines: Vec<String> = tasks.iter().map(|t| format!("{t} {}", content(t))).collect();
-    vb_files::sha256(lines.join("\n").as_bytes())
+fn hash(suite: &Suite, tasks: &[TaskId]) -> Result<String, SuiteError> {
+    let line = |t: &TaskId| Ok(format!("{t} {}", suite.world_info(t.world())?.sha256));
+    let lines = tasks.iter().map(line).collect::<Result<Vec<_>, _>>()?;
+    Ok(vb_files::sha256(lines.join("\n").as_bytes()))
 }
 
 /// Of each task, the number of its level: elevation, ground and density of its world.
-fn levels(suite: &Suite, tasks: &[TaskRef]) -> Vec<usize> {
+fn levels(suite: &Suite, tasks: &[TaskId]) -> Vec<usize> {
     let mut known = Vec::new();
     let level = |w: &WorldInfo| (w.elevation, w.terrain, w.density);
-    let of = |t: &TaskRef| suite.worlds().iter().find(|w| w.id == t.world).map(level);
-    let mut number = |t: &TaskRef| {
+    let of = |t: &TaskId| suite.worlds().iter().find(|w| w.id == t.world()).map(level);
+    let mut number = |t: &TaskId| {
         let level = of(t);
         known.iter().position(|k| *k == level).unwrap_or_else(|| {
             known.push(level);

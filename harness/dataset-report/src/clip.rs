@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use vb_dataset::{Dataset, Episode, EpisodeInfo};
+use vb_dataset::{Dataset, Ending, Episode, EpisodeInfo};
 use vb_record::{Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, WheelSample};
 use vb_replay::{Motion, PlannerSeries, Replay, ReplayRun, Sensed};
-use vb_score::{Cause, Outcome, TaskRecord};
+use vb_score::{Outcome, TaskRecord};
 use vb_vehicle::VehicleModel;
 use vb_world::{Pose2, Task, World};
 
@@ -20,13 +20,12 @@ pub fn clip(
     vehicle: &VehicleModel,
 ) -> Replay {
     let info = &episode.info;
-    let name = info.task.split_once('/').map(|(_, task)| task);
     let own = || {
         let [x, y, yaw] = info.start;
         let path = vec![[x, y], info.goal];
-        Task { id: format!("episode {index}"), start: Pose2 { x, y, yaw }, goal: info.goal, path }
+        Task { id: format!("episode_{index}"), start: Pose2 { x, y, yaw }, goal: info.goal, path }
     };
-    let task = name.and_then(|name| world.task(name)).cloned().unwrap_or_else(own);
+    let task = info.task.as_ref().and_then(|id| world.task(id.task())).cloned().unwrap_or_else(own);
     let trace = trace(dataset, episode, world, &task);
     let run = ReplayRun {
         label: format!("{}, episode {index}", info.driver),
@@ -39,7 +38,7 @@ pub fn clip(
     };
     let suite = dataset.header().name.clone();
     // Whoever drives a task has a goal; an exploration has no task.
-    let has_goal = !info.task.is_empty() || info.goal != [info.start[0], info.start[1]];
+    let has_goal = info.task.is_some() || info.goal != [info.start[0], info.start[1]];
     Replay { world: world.clone(), task, suite, has_goal, goal_radius: None, runs: vec![run] }
 }
 
@@ -50,7 +49,7 @@ fn trace(dataset: &Dataset, episode: &Episode, world: &World, task: &Task) -> Tr
     let mut trace = Trace {
         meta: TraceMeta {
             schema: TRACE_SCHEMA,
-            task: episode.info.task.clone(),
+            task: world.task_id(task),
             start: episode.info.start,
             goal: task.goal,
             goal_z: world.heightfield.height(task.goal[0], task.goal[1]),
@@ -98,10 +97,13 @@ fn trace(dataset: &Dataset, episode: &Episode, world: &World, task: &Task) -> Tr
 
 /// What a run would have written of the episode.
 fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
-    // A drive that was ended by hand has no outcome of the rules; its reason says so.
-    let outcome = Outcome::ALL.into_iter().find(|o| o.name() == info.outcome).unwrap_or(Outcome::Timeout);
+    let outcome = match info.outcome {
+        Ending::Decided(outcome) => outcome,
+        // It has no outcome of the rules; its reason says so.
+        Ending::ByDriver => Outcome::Timeout,
+    };
     TaskRecord {
-        task: format!("{}/{}", world.id, task.id),
+        task: world.task_id(task),
         world: world.id.clone(),
         elevation: world.elevation,
         terrain: world.terrain,
@@ -111,7 +113,7 @@ fn record(info: &EpisodeInfo, world: &World, task: &Task) -> TaskRecord {
         flags: std::collections::BTreeMap::new(),
         departures: Vec::new(),
         reason: info.reason.clone(),
-        cause: Cause::ALL.iter().copied().find(|c| c.name() == info.cause),
+        cause: info.cause,
         evidence: String::new(),
         fault: None,
         time_s: info.time_s,

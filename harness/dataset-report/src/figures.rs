@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use vb_dataset::{Episode, Feature, View};
-use vb_world::World;
+use vb_world::{TerrainClass, World};
 
 /// A frame as quantities are measured on it.
 struct Frame<'a> {
@@ -111,14 +111,15 @@ impl Figures {
         let count = |table: &mut Counts, row: &str, column: &str| {
             *table.entry(row.to_owned()).or_default().entry(column.to_owned()).or_default() += 1;
         };
-        count(&mut self.by_driver, &info.driver, &info.outcome);
-        count(&mut self.by_ground, &info.ground, &info.outcome);
-        count(&mut self.by_elevation, &info.elevation, &info.outcome);
-        if !info.cause.is_empty() {
-            count(&mut self.by_cause, &info.cause, &info.ground);
+        let (outcome, ground) = (info.outcome.name(), info.ground.map_or("", TerrainClass::name));
+        count(&mut self.by_driver, &info.driver, outcome);
+        count(&mut self.by_ground, ground, outcome);
+        count(&mut self.by_elevation, info.elevation.name(), outcome);
+        if let Some(cause) = info.cause {
+            count(&mut self.by_cause, cause.name(), ground);
         }
         let view = episode.view(features);
-        let own = self.histograms.entry(info.terrain.clone()).or_default();
+        let own = self.histograms.entry(info.terrain.name().to_owned()).or_default();
         own.resize_with(QUANTITIES.len(), Histogram::default);
         for index in 0..episode.frames {
             let frame = Frame { view: &view, index, state: view.state(index), world };
@@ -135,8 +136,9 @@ impl Figures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_dataset::{EpisodeInfo, Layout, Values};
-    use vb_world::{Heightfield, TerrainClass};
+    use vb_dataset::{Ending, EpisodeInfo, Layout, Values};
+    use vb_score::Outcome;
+    use vb_world::Heightfield;
 
     #[test]
     fn quantities_are_in_the_units_of_their_axes() {
@@ -162,7 +164,11 @@ mod tests {
                 _ => {}
             }
         }
-        let info = EpisodeInfo { outcome: "stuck".into(), ground: "gravel".into(), ..EpisodeInfo::default() };
+        let info = EpisodeInfo {
+            outcome: Ending::Decided(Outcome::Stuck),
+            ground: Some(TerrainClass::Gravel),
+            ..EpisodeInfo::default()
+        };
         let episode = Episode { info, frames: 2, columns };
         let mut figures = Figures::default();
         figures.add(&features, &episode, &world);
@@ -181,7 +187,7 @@ mod tests {
         ];
         for (name, bins) in expected {
             let k = QUANTITIES.iter().position(|q| q.name == name).unwrap();
-            let found: Vec<i64> = figures.histograms[""][k].0.keys().copied().collect();
+            let found: Vec<i64> = figures.histograms["rigid"][k].0.keys().copied().collect();
             assert_eq!(found, bins, "{name}");
         }
     }

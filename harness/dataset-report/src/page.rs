@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use vb_dataset::{Dataset, Episode, EpisodeInfo, Header};
 use vb_page::{Page, SORTED_TABLES, TABLE_STYLE, escape, grouped, number};
-use vb_world::World;
+use vb_score::Cause;
+use vb_world::{TerrainClass, World};
 
 use crate::chart;
 use crate::figures::{Counts, Figures, QUANTITIES};
@@ -23,7 +24,7 @@ pub fn examples(dataset: &Dataset, wanted: usize) -> BTreeSet<usize> {
         if frames == 0 {
             continue;
         }
-        let kind = (info.outcome.as_str(), info.cause.as_str());
+        let kind = (info.outcome.name(), info.cause.map_or("", Cause::name));
         match kinds.iter_mut().find(|(k, _)| *k == kind) {
             Some((_, own)) => own.push(index),
             None => kinds.push((kind, vec![index])),
@@ -167,21 +168,22 @@ impl<'a> Overview<'a> {
                 None => format!("Episode {index}"),
             };
             // The names of some causes begin with the outcome.
-            let end = match info.cause.as_str() {
-                "" => plain(&info.outcome),
-                cause if cause.starts_with(&info.outcome) => plain(cause),
-                cause => format!("{}: {}", plain(&info.outcome), plain(cause)),
+            let outcome = info.outcome.name();
+            let end = match info.cause.map(Cause::name) {
+                None => plain(outcome),
+                Some(cause) if cause.starts_with(outcome) => plain(cause),
+                Some(cause) => format!("{}: {}", plain(outcome), plain(cause)),
             };
             let _ = write!(
                 s,
                 "<figure><figcaption>{name}: {end}</figcaption>{}<p>{}, {} relief, {} ground; {:.1} s, {:.1} m; ends on {}</p></figure>",
                 clip.picture,
                 escape(&info.world),
-                escape(&info.elevation),
-                escape(&info.terrain),
+                info.elevation.name(),
+                info.terrain.name(),
                 info.time_s,
                 info.distance_m,
-                escape(&info.ground),
+                info.ground.map_or("", TerrainClass::name),
             );
         }
         s.push_str(

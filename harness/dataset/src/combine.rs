@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::json;
 use vb_math::rng::Stream;
 use vb_record::{DataHeader, NewFolder};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::episode::EpisodeInfo;
 use crate::error::DatasetError;
@@ -125,9 +125,9 @@ pub fn merge(
             if let Some(own) = names.get(&(k, info.world.clone())) {
                 info.world.clone_from(own);
                 info.world_hash.clone_from(&suite.world_info(own)?.sha256);
-                if let Some((_, task)) = info.task.split_once('/') {
-                    info.task = format!("{own}/{task}");
-                }
+                let renamed =
+                    |t: TaskId| TaskId::new(own, t.task()).expect("the names of a written suite are valid");
+                info.task = info.task.take().map(renamed);
             }
             if info.origin.is_empty() {
                 info.origin = format!("{}: episode {index}", dataset.header().name);

@@ -1,11 +1,13 @@
 //! An episode: what was recorded of one drive.
 
-use serde::{Deserialize, Serialize};
+use serde::de::IntoDeserializer as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use vb_record::Sample;
+use vb_score::{Cause, Outcome};
 use vb_sdk::{Command, Observation};
 use vb_sim::{Controls, Gear, Simulation, VehicleState};
 use vb_trial::Witness;
-use vb_world::{Density, Elevation, Terrain, TerrainClass};
+use vb_world::{Density, Elevation, TaskId, Terrain, TerrainClass};
 
 use crate::feature::{Feature, Frame, Ground, Values};
 use crate::values::shown;
@@ -13,11 +15,67 @@ use crate::values::shown;
 /// The greatest length, coordinate or time that an episode may have, m or s.
 const FARTHEST: f64 = 1e9;
 
-/// The outcome of an episode that its driver ended before the rules did.
-pub const ENDED: &str = "ended";
+/// The end of an episode, as text the name of the outcome or `ended`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The rules decided.
+    Decided(Outcome),
+    /// The driver ended it before the rules decided.
+    ByDriver,
+}
+
+impl Ending {
+    /// The name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Decided(outcome) => outcome.name(),
+            Self::ByDriver => "ended",
+        }
+    }
+}
+
+impl Serialize for Ending {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Ending {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(from)?;
+        if text == Self::ByDriver.name() {
+            return Ok(Self::ByDriver);
+        }
+        Outcome::deserialize(text.into_deserializer()).map(Self::Decided)
+    }
+}
+
+/// An absent value as empty text, because a column of texts has no other.
+mod or_empty {
+    use serde::de::IntoDeserializer as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<T: Serialize, S: Serializer>(
+        value: &Option<T>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        match value {
+            Some(value) => value.serialize(to),
+            None => to.serialize_str(""),
+        }
+    }
+
+    pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<T>, D::Error> {
+        let text = String::deserialize(from)?;
+        (!text.is_empty()).then(|| T::deserialize(text.into_deserializer())).transpose()
+    }
+}
 
 /// What is said of an episode as a whole. Each field is a column of `meta/episodes`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
     /// The task in words, as a policy that takes language reads it.
     pub instruction: String,
@@ -28,18 +86,20 @@ pub struct EpisodeInfo {
     /// The world, by its name in the dataset's `worlds`.
     pub world: String,
     pub world_hash: String,
-    /// The name of the task in the suite, e.g. `w003/t07`; empty for exploration.
-    pub task: String,
-    /// The level of the world's relief: `low`, `medium` or `high`.
-    pub elevation: String,
-    /// The kind of the world's ground: `rigid`, `deformable` or `mixed`.
-    pub terrain: String,
-    /// The density of the world's obstacles: `sparse`, `medium` or `dense`.
-    pub density: String,
-    /// The kind of ground under the vehicle at the end.
-    pub ground: String,
-    /// The outcome by the rules, as runs have it.
-    pub outcome: String,
+    /// The task in the suite; absent for exploration.
+    #[serde(with = "or_empty")]
+    pub task: Option<TaskId>,
+    /// The level of the world's relief.
+    pub elevation: Elevation,
+    /// The kind of the world's ground.
+    pub terrain: Terrain,
+    /// The density of the world's obstacles.
+    pub density: Density,
+    /// The kind of ground under the vehicle at the end; absent without a sample.
+    #[serde(with = "or_empty")]
+    pub ground: Option<TerrainClass>,
+    /// The outcome by the rules, as runs have it, or that there is none.
+    pub outcome: Ending,
     /// Why it ended, in words.
     pub reason: String,
     /// The time at the end, s.
@@ -54,31 +114,47 @@ pub struct EpisodeInfo {
     pub state_hash: String,
     /// Where a part of an episode comes from: the episode, and from which second; empty for whole ones.
     pub origin: String,
-    /// The cause of a rollover, or of getting stuck; else empty.
-    pub cause: String,
+    /// The cause of a rollover, or of getting stuck.
+    #[serde(with = "or_empty")]
+    pub cause: Option<Cause>,
+}
+
+impl Default for EpisodeInfo {
+    /// An episode of no drive, in a world of the first levels.
+    fn default() -> Self {
+        Self {
+            instruction: String::new(),
+            drive: 0,
+            driver: String::new(),
+            world: String::new(),
+            world_hash: String::new(),
+            task: None,
+            elevation: Elevation::Low,
+            terrain: Terrain::Rigid,
+            density: Density::Sparse,
+            ground: None,
+            outcome: Ending::ByDriver,
+            reason: String::new(),
+            time_s: 0.0,
+            distance_m: 0.0,
+            start: [0.0; 3],
+            goal: [0.0; 2],
+            state_hash: String::new(),
+            origin: String::new(),
+            cause: None,
+        }
+    }
 }
 
 impl EpisodeInfo {
     /// The first field with a value that no episode can have: the field, the value, and what is allowed. `None` if there is none.
     #[must_use]
     pub fn flaw(&self) -> Option<String> {
-        let named = |field: &str, value: &str, known: &[&str]| {
-            let is_known = value.is_empty() || known.contains(&value);
-            (!is_known).then(|| format!("{field}: {value:?} is none of {}", known.join(", ")))
-        };
         let within = |field: &str, values: &[f64], low: f64, high: f64| {
             let odd = values.iter().find(|v| !(low..=high).contains(*v))?;
             Some(format!("{field}: {} must lie in {} to {}", shown(*odd), shown(low), shown(high)))
         };
-        let outcomes: Vec<&str> = vb_score::Outcome::ALL.iter().map(|o| o.name()).chain([ENDED]).collect();
-        let causes: Vec<&str> = vb_score::Cause::ALL.iter().map(|c| c.name()).collect();
-        named("outcome", &self.outcome, &outcomes)
-            .or_else(|| named("cause", &self.cause, &causes))
-            .or_else(|| named("elevation", &self.elevation, &Elevation::ALL.map(Elevation::name)))
-            .or_else(|| named("terrain", &self.terrain, &Terrain::ALL.map(Terrain::name)))
-            .or_else(|| named("density", &self.density, &Density::ALL.map(Density::name)))
-            .or_else(|| named("ground", &self.ground, &TerrainClass::ALL.map(TerrainClass::name)))
-            .or_else(|| within("time_s", &[self.time_s], 0.0, FARTHEST))
+        within("time_s", &[self.time_s], 0.0, FARTHEST)
             .or_else(|| within("distance_m", &[self.distance_m], 0.0, FARTHEST))
             .or_else(|| within("start", &self.start, -FARTHEST, FARTHEST))
             .or_else(|| within("goal", &self.goal, -FARTHEST, FARTHEST))
@@ -194,9 +270,9 @@ impl<'a> Recorder<'a> {
 
     /// The episode; `info` lacks but the distance and the ground.
     pub(crate) fn finish(mut self, info: EpisodeInfo) -> Episode {
-        self.complete(Some(info.outcome == vb_score::Outcome::Success.name()));
-        let ground = self.last.map(|[x, y, _]| self.ground.world.class_at(x, y).name().to_owned());
-        let info = EpisodeInfo { distance_m: self.distance, ground: ground.unwrap_or_default(), ..info };
+        self.complete(Some(info.outcome == Ending::Decided(Outcome::Success)));
+        let ground = self.last.map(|[x, y, _]| self.ground.world.class_at(x, y));
+        let info = EpisodeInfo { distance_m: self.distance, ground, ..info };
         Episode { info, frames: self.frames, columns: self.columns }
     }
 

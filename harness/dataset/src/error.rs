@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use vb_record::StoreError;
 use vb_trial::TrialError;
-use vb_world::SuiteError;
+use vb_world::{SuiteError, TaskId};
 
 /// What to do about an error of the operating system.
 fn hint(source: &std::io::Error) -> &'static str {
@@ -66,7 +66,7 @@ pub enum DatasetError {
     },
     #[error("{task}: {reason}")]
     Planner {
-        task: String,
+        task: TaskId,
         /// Who failed, where and why, and what to do.
         reason: String,
     },
@@ -77,7 +77,7 @@ pub enum DatasetError {
     #[error(
         "{task} can't be repeated by its trace: another version of the harness drove it, or the trace is too coarse (drive the run again, with --trace full)"
     )]
-    NotRepeated { task: String },
+    NotRepeated { task: TaskId },
     #[error(transparent)]
     Record(#[from] StoreError),
     #[error("no episode is left: {0}")]

@@ -2,7 +2,7 @@
 
 use vb_score::Outcome;
 
-use crate::episode::{Episode, EpisodeInfo};
+use crate::episode::{Ending, Episode, EpisodeInfo};
 use crate::error::DatasetError;
 use crate::feature::{Feature, Values};
 use crate::reader::Dataset;
@@ -13,7 +13,7 @@ pub const SECONDS: f64 = 10.0;
 
 /// Whether an episode ended as the paper's failures do: rolled over, or stuck.
 pub(crate) fn is_failure(info: &EpisodeInfo) -> bool {
-    [Outcome::Rollover, Outcome::Stuck].iter().any(|o| o.name() == info.outcome)
+    matches!(info.outcome, Ending::Decided(Outcome::Rollover | Outcome::Stuck))
 }
 
 impl Episode {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use vb_sdk::crop::Window;
 use vb_sdk::{Command, Observation, Pose2};
 use vb_sim::{Controls, Gear, VehicleState};
+use vb_trial::{gear_number, simulated_gear};
 use vb_world::World;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -373,22 +374,6 @@ impl Values {
     }
 }
 
-fn gear(gear: Gear) -> f64 {
-    match gear {
-        Gear::Reverse => -1.0,
-        Gear::Neutral => 0.0,
-        Gear::Forward => 1.0,
-    }
-}
-
-fn given_gear(gear: vb_sdk::Gear) -> f64 {
-    match gear {
-        vb_sdk::Gear::Reverse => -1.0,
-        vb_sdk::Gear::Neutral => 0.0,
-        vb_sdk::Gear::Forward => 1.0,
-    }
-}
-
 /// The label of an obstacle in a crop.
 const OBSTACLE: u8 = 10;
 /// The label beyond the world.
@@ -435,7 +420,7 @@ fn seen_state(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
     let p = seen.pose.unwrap_or_default();
     put(to, [p.position.x, p.position.y, p.position.z, p.roll, p.pitch, p.yaw]);
     put(to, [p.linear_velocity, p.angular_velocity].into_iter().flat_map(|v| [v.x, v.y, v.z]));
-    put(to, [seen.steering, seen.engine_speed, given_gear(seen.gear)]);
+    put(to, [seen.steering, seen.engine_speed, gear_number(simulated_gear(seen.gear))]);
 }
 
 fn seen_wheels(frame: &Frame<'_>, feature: &Feature, to: &mut Vec<f32>) {
@@ -474,12 +459,12 @@ fn given(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
     let c = frame.given;
     // As the vehicle takes it: what is out of range counts as the end of the range.
     let [throttle, brake] = [c.throttle, c.brake].map(|v| v.clamp(0.0, 1.0));
-    put(to, [c.steering.clamp(-1.0, 1.0), throttle, brake, given_gear(c.gear)]);
+    put(to, [c.steering.clamp(-1.0, 1.0), throttle, brake, gear_number(simulated_gear(c.gear))]);
 }
 
 fn applied(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
     let c = frame.taken;
-    put(to, [frame.steering, c.throttle, c.brake, gear(frame.gear_after)]);
+    put(to, [frame.steering, c.throttle, c.brake, gear_number(frame.gear_after)]);
 }
 
 fn true_state(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
@@ -487,7 +472,7 @@ fn true_state(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {
     let (roll, pitch, yaw) = state.roll_pitch_yaw();
     let (p, v, w) = (state.position, state.velocity_body, state.angular_velocity_body);
     put(to, [p.x, p.y, p.z, roll, pitch, yaw, v.x, v.y, v.z, w.x, w.y, w.z]);
-    put(to, [state.steering, state.engine_speed, gear(state.gear)]);
+    put(to, [state.steering, state.engine_speed, gear_number(state.gear)]);
 }
 
 fn true_wheels(frame: &Frame<'_>, _: &Feature, to: &mut Vec<f32>) {

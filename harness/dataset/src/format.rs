@@ -156,7 +156,7 @@ impl Whole {
         if !self.tasks.contains(&row.info.instruction) {
             self.tasks.push(row.info.instruction.clone());
         }
-        *self.summary.outcomes.entry(row.info.outcome.clone()).or_default() += 1;
+        *self.summary.outcomes.entry(row.info.outcome.name().to_owned()).or_default() += 1;
         self.summary.distance_m += row.info.distance_m;
         if self.stats.is_empty() {
             self.stats.clone_from(&row.stats);

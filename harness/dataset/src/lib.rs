@@ -28,7 +28,7 @@ mod worlds;
 mod writer;
 
 pub use combine::{merge, repeated, split};
-pub use episode::{ENDED, Episode, EpisodeInfo, View};
+pub use episode::{Ending, Episode, EpisodeInfo, View};
 pub use error::DatasetError;
 pub use explore::Exploration;
 pub use failure::{SECONDS, failures};

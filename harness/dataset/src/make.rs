@@ -1,20 +1,19 @@
 //! Making datasets: episodes that many threads drive, written in order.
 
-use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use vb_math::rng::Stream;
 use vb_record::{LogMode, RunReader, Sample, TraceMode};
-use vb_score::{Cause, Outcome, TaskRecord};
+use vb_score::{Outcome, TaskRecord};
 use vb_sdk::metadata::Need;
 use vb_sdk::{Command, Observation};
 use vb_sim::{Controls, SAMPLE_PERIOD, Simulation, VehicleState};
-use vb_trial::{Driver, Keep, Place, Setting, TrialResult, Wants, Witness};
-use vb_world::{Suite, Task, TaskRef};
+use vb_trial::{Cache, Driver, Keep, Place, Setting, TrialResult, Wants, Witness};
+use vb_world::{Suite, Task, TaskId};
 
-use crate::episode::{ENDED, Episode, EpisodeInfo, Recorder};
+use crate::episode::{Ending, Episode, EpisodeInfo, Recorder};
 use crate::error::DatasetError;
 use crate::explore::{Exploration, Explorer, random_start};
 use crate::feature::{Feature, Ground};
@@ -126,28 +125,24 @@ struct Site {
     hash: String,
 }
 
-/// The worlds in use, latest last.
+/// The worlds in use.
 struct Sites<'a> {
     making: &'a Making<'a>,
-    loaded: Mutex<VecDeque<Site>>,
+    loaded: Cache<Site>,
 }
 
-impl Sites<'_> {
+impl<'a> Sites<'a> {
+    fn new(making: &'a Making<'a>) -> Self {
+        Self { making, loaded: Cache::new(making.jobs + IN_MEMORY) }
+    }
+
     fn site(&self, world: &str) -> Result<Site, DatasetError> {
-        // Held while loading, so that two threads don't load the same world.
-        let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(site) = loaded.iter().find(|s| s.place.world.id == world) {
-            return Ok(site.clone());
-        }
-        let Making { worlds, setting, jobs, .. } = self.making;
-        let place = Place::load(worlds, world, setting.scale)?;
-        let hash = worlds.world_info(world)?.sha256.clone();
-        let site = Site { ground: Arc::new(Ground::new(place.world.clone())), place, hash };
-        loaded.push_back(site.clone());
-        if loaded.len() > jobs + IN_MEMORY {
-            loaded.pop_front();
-        }
-        Ok(site)
+        self.loaded.get(world, || {
+            let Making { worlds, setting, .. } = self.making;
+            let place = Place::load(worlds, world, setting.scale)?;
+            let hash = worlds.world_info(world)?.sha256.clone();
+            Ok(Site { ground: Arc::new(Ground::new(place.world.clone())), place, hash })
+        })
     }
 }
 
@@ -169,8 +164,8 @@ impl Witness for Both<'_> {
 /// One drive that becomes an episode.
 struct Drive<'a> {
     task: &'a Task,
-    /// The name of the task in its suite, or nothing.
-    name: String,
+    /// The task in its suite, if it is one's.
+    name: Option<TaskId>,
     instruction: &'static str,
     index: usize,
     wants: &'a Wants,
@@ -197,7 +192,7 @@ impl Making<'_> {
             needs: Need::DEFAULT.to_vec(),
             params: Vec::new(),
         };
-        let sites = Sites { making: self, loaded: Mutex::default() };
+        let sites = Sites::new(self);
         let make = |index: usize| {
             let episode = self.exploration(&sites, &features, rules, &wants, index);
             (!self.cancel.load(Ordering::Relaxed)).then_some(episode)
@@ -257,7 +252,7 @@ impl Making<'_> {
             let mut driver = Explorer::new(rules, stream("commands"));
             let drive = Drive {
                 task: &task,
-                name: String::new(),
+                name: None,
                 instruction: "Explore rough ground.",
                 index,
                 wants,
@@ -283,7 +278,7 @@ impl Making<'_> {
         &self,
         writer: &mut DatasetWriter,
         planners: &[Planner<'_>],
-        tasks: &[TaskRef],
+        tasks: &[TaskId],
         kept: Kept,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<bool, DatasetError> {
@@ -292,7 +287,7 @@ impl Making<'_> {
         for Planner { wants, .. } in planners {
             every.push(steps_of_a_frame(self.hz, &wants.name, wants.control_period)?);
         }
-        let sites = Sites { making: self, loaded: Mutex::default() };
+        let sites = Sites::new(self);
         let total = planners.len() * tasks.len();
         let make = |index: usize| {
             if index >= total || self.cancel.load(Ordering::Relaxed) {
@@ -311,15 +306,14 @@ impl Making<'_> {
         &self,
         sites: &Sites<'_>,
         features: &[Feature],
-        (index, wanted): (usize, &TaskRef),
+        (index, wanted): (usize, &TaskId),
         planner: &Planner<'_>,
         every: u64,
         kept: Kept,
     ) -> Result<Option<Episode>, DatasetError> {
-        let site = sites.site(&wanted.world)?;
-        let Some(task) = site.place.world.task(&wanted.task) else { return Ok(None) };
-        let name = wanted.to_string();
-        let wants = &planner.wants;
+        let site = sites.site(wanted.world())?;
+        let Some(task) = site.place.world.task(wanted.task()) else { return Ok(None) };
+        let (name, wants) = (Some(wanted.clone()), &planner.wants);
         let drive = Drive { task, name, instruction: "Drive to the goal.", index, wants, every };
         let mut driver = (planner.driver)();
         let episode = self.episode(&site, features, &drive, &mut *driver)?;
@@ -328,7 +322,7 @@ impl Making<'_> {
             && episode.frames == 0
         {
             let reason = episode.info.reason.clone();
-            return Err(DatasetError::Planner { task: drive.name, reason });
+            return Err(DatasetError::Planner { task: wanted.clone(), reason });
         }
         Ok(episode.filter(|(_, outcome)| kept.keeps(*outcome)).map(|(episode, _)| episode))
     }
@@ -357,14 +351,13 @@ impl Making<'_> {
         };
         let every = steps_of_a_frame(self.hz, &name, SAMPLE_PERIOD)?;
         let frames = (seconds * self.setting.scale.sqrt() * f64::from(self.hz)).round() as usize;
-        let sites = Sites { making: self, loaded: Mutex::default() };
+        let sites = Sites::new(self);
         let again = |index: usize, record: &TaskRecord| {
             let site = sites.site(&record.world)?;
-            let wanted = record.task.split_once('/').and_then(|(_, task)| site.place.world.task(task));
-            let Some(task) = wanted else { return Ok(None) };
+            let Some(task) = site.place.world.task(record.task.task()) else { return Ok(None) };
             let trace = run.trace(&record.task)?;
             let mut driver = Playback::new(name.clone(), &trace);
-            let (instruction, task_name) = ("Drive to the goal.", record.task.clone());
+            let (instruction, task_name) = ("Drive to the goal.", Some(record.task.clone()));
             let drive = Drive { task, name: task_name, instruction, index, wants: &wants, every };
             let Some((episode, _)) = self.episode(&site, &features, &drive, &mut driver)? else {
                 return Ok(None);
@@ -387,26 +380,26 @@ impl Making<'_> {
     }
 
     /// Lets somebody drive a task by hand while an onlooker looks on; the episode. If `cancel` is set, it ends as it is then,
-    /// with the outcome [`ENDED`].
+    /// with [`Ending::ByDriver`].
     ///
     /// # Errors
     /// Returns an error if the world can't be read, or the frames don't fit the driver's steps.
     pub fn by_hand(
         &self,
         features: &[Feature],
-        wanted: &TaskRef,
+        wanted: &TaskId,
         wants: &Wants,
         driver: &mut dyn Driver,
         onlooker: &mut dyn Witness,
         index: u64,
     ) -> Result<Option<Episode>, DatasetError> {
         let every = steps_of_a_frame(self.hz, &wants.name, wants.control_period)?;
-        let sites = Sites { making: self, loaded: Mutex::default() };
-        let site = sites.site(&wanted.world)?;
-        let Some(task) = site.place.world.task(&wanted.task) else { return Ok(None) };
+        let sites = Sites::new(self);
+        let site = sites.site(wanted.world())?;
+        let Some(task) = site.place.world.task(wanted.task()) else { return Ok(None) };
         let instruction = "Drive to the goal.";
         let index = usize::try_from(index).unwrap_or(usize::MAX);
-        let drive = Drive { task, name: wanted.to_string(), instruction, index, wants, every };
+        let drive = Drive { task, name: Some(wanted.clone()), instruction, index, wants, every };
         let mut recorder = Recorder::new(features, &site.ground, task.goal, every);
         let mut both = Both(&mut recorder, onlooker);
         let keep = Keep { trace: TraceMode::None, logs: LogMode::default() };
@@ -446,12 +439,12 @@ impl Making<'_> {
     ) -> Episode {
         let Drive { task, .. } = *drive;
         let world = &site.place.world;
-        let cause = record.as_ref().and_then(|r| r.cause).map_or("", Cause::name);
+        let cause = record.as_ref().and_then(|r| r.cause);
         let (outcome, reason, time_s, state_hash) = match record {
-            Some(r) => (r.outcome.name(), r.reason, r.time_s, r.state_hash),
+            Some(r) => (Ending::Decided(r.outcome), r.reason, r.time_s, r.state_hash),
             None => {
                 let time = recorder.time();
-                (ENDED, format!("the driver ended it at {time:.2} s"), time, String::new())
+                (Ending::ByDriver, format!("the driver ended it at {time:.2} s"), time, String::new())
             }
         };
         let start = [task.start.x, task.start.y, task.start.yaw];
@@ -462,16 +455,16 @@ impl Making<'_> {
             world: world.id.clone(),
             world_hash: site.hash.clone(),
             task: drive.name.clone(),
-            elevation: world.elevation.name().to_owned(),
-            terrain: world.terrain.name().to_owned(),
-            density: world.density.name().to_owned(),
-            outcome: outcome.to_owned(),
+            elevation: world.elevation,
+            terrain: world.terrain,
+            density: world.density,
+            outcome,
             reason,
             time_s,
             start,
             goal: task.goal,
             state_hash,
-            cause: cause.to_owned(),
+            cause,
             ..EpisodeInfo::default()
         };
         recorder.finish(info)

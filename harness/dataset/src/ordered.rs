@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::{Condvar, Mutex, PoisonError};
 
+use vb_files::lock;
+
 /// How far the makers may be ahead of the taker: so many results for each of them.
 const AHEAD: usize = 4;
 
@@ -33,10 +35,9 @@ pub(crate) fn ordered<T: Send>(
     let shared =
         Mutex::new(Shared { next: first, wanted: first, made: BTreeMap::new(), stop: false, makers: 0 });
     let changed = Condvar::new();
-    let lock = || shared.lock().unwrap_or_else(PoisonError::into_inner);
     let work = || {
         loop {
-            let mut state = lock();
+            let mut state = lock(&shared);
             while !state.stop && state.next >= state.wanted + AHEAD * jobs {
                 state = changed.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
@@ -47,7 +48,7 @@ pub(crate) fn ordered<T: Send>(
             state.next += 1;
             drop(state);
             let result = make(index);
-            let mut state = lock();
+            let mut state = lock(&shared);
             match result {
                 Some(result) => {
                     state.made.insert(index, result);
@@ -61,21 +62,21 @@ pub(crate) fn ordered<T: Send>(
     struct Gone<'a, T>(&'a Mutex<Shared<T>>, &'a Condvar);
     impl<T> Drop for Gone<'_, T> {
         fn drop(&mut self) {
-            self.0.lock().unwrap_or_else(PoisonError::into_inner).makers -= 1;
+            lock(self.0).makers -= 1;
             self.1.notify_all();
         }
     }
     std::thread::scope(|scope| {
         let mut spawned = Ok(());
         for _ in 0..jobs {
-            lock().makers += 1;
+            lock(&shared).makers += 1;
             let body = || {
                 let _gone = Gone(&shared, &changed);
                 work();
             };
             let thread = std::thread::Builder::new().stack_size(stack_bytes).spawn_scoped(scope, body);
             if let Err(e) = thread {
-                let mut state = lock();
+                let mut state = lock(&shared);
                 state.makers -= 1;
                 state.stop = true;
                 spawned = Err(e);
@@ -83,14 +84,14 @@ pub(crate) fn ordered<T: Send>(
             }
         }
         loop {
-            let mut state = lock();
+            let mut state = lock(&shared);
             let index = state.wanted;
             if let Some(result) = state.made.remove(&index) {
                 state.wanted += 1;
                 drop(state);
                 changed.notify_all();
                 if take(index, result).is_break() {
-                    lock().stop = true;
+                    lock(&shared).stop = true;
                     changed.notify_all();
                     break;
                 }

@@ -9,14 +9,16 @@ use std::sync::atomic::AtomicBool;
 
 use common::{header, named, suite};
 use vb_dataset::{
-    Amount, Dataset, DatasetWriter, Episode, EpisodeInfo, Exploration, Feature, Header, Layout, Making,
+    Amount, Dataset, DatasetWriter, Ending, Episode, EpisodeInfo, Exploration, Feature, Header, Layout,
+    Making,
 };
 use vb_math::{cos, sin};
-use vb_score::Rules;
+use vb_score::{Outcome, Rules};
 use vb_sense::Profile;
 use vb_sim::{SoilSet, Soils};
 use vb_trial::Setting;
 use vb_vehicle::{Vehicle, VehicleSpec};
+use vb_world::TerrainClass;
 
 /// Straight ahead at 3 m/s.
 const STRAIGHT: &str = "
@@ -68,8 +70,8 @@ fn frames_hold_together_as_kinematics_demand() {
         let of = |name: &str| column(features, &episode, name);
         let (state, action, applied) = (of("observation.state"), of("action"), of("action.applied"));
         // It drives straight at its speed until the edge of the world ends it.
-        assert_eq!(episode.info.outcome, "out_of_bounds");
-        assert_eq!((episode.info.ground.as_str(), episode.info.cause.as_str()), ("gravel", ""));
+        assert_eq!(episode.info.outcome, Ending::Decided(Outcome::OutOfBounds));
+        assert_eq!((episode.info.ground, episode.info.cause), (Some(TerrainClass::Gravel), None));
         for k in 40..episode.frames - 1 {
             let (a, b) = (&state[k], &state[k + 1]);
             // The step is the velocity of the middle, turned into the world: within the errors of a tenth of a second.

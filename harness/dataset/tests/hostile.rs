@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float32Array, Int64Array, RecordBatch};
+use arrow_array::{ArrayRef, Float32Array, Int64Array, RecordBatch, StringArray};
 use common::header;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -102,13 +102,25 @@ type Change = fn(&mut EpisodeInfo);
 #[test]
 fn what_is_said_of_an_episode_is_known_or_possible() {
     let place = Place::new();
-    let cases: [(&str, Change); 11] = [
-        ("outcome: \"won\"", |i| i.outcome = "won".into()),
-        ("cause: \"x\"", |i| i.cause = "x".into()),
-        ("elevation: \"x\"", |i| i.elevation = "x".into()),
-        ("terrain: \"x\"", |i| i.terrain = "x".into()),
-        ("density: \"x\"", |i| i.density = "x".into()),
-        ("ground: \"x\"", |i| i.ground = "x".into()),
+    let texts = [
+        ("outcome", "won", "unknown variant `won`"),
+        ("cause", "x", "unknown variant `x`"),
+        ("elevation", "", "unknown variant ``"),
+        ("terrain", "x", "unknown variant `x`"),
+        ("density", "x", "unknown variant `x`"),
+        ("ground", "x", "unknown variant `x`"),
+        ("task", "../t00", "\"../t00\" is not the name of a task"),
+    ];
+    for (column, value, problem) in texts {
+        let out = place.made(column, |_| {});
+        edit_to(&out.join("meta/episodes/chunk-000/file-000.parquet"), column, |rows| {
+            Arc::new(StringArray::from(vec![value; rows]))
+        });
+        let want = format!("file-000.parquet: row 0: {column}: {problem}");
+        assert!(refused(&out).contains(&want), "{want}: {}", refused(&out));
+        assert!(findings(&out).contains(&want), "{want}: {}", findings(&out));
+    }
+    let cases: [(&str, Change); 5] = [
         ("time_s: 1e308", |i| i.time_s = 1e308),
         ("distance_m: -1", |i| i.distance_m = -1.0),
         ("start: 1e308", |i| i.start[2] = 1e308),

@@ -9,10 +9,9 @@ use vb_render::Painter;
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::{SAMPLE_PERIOD, Simulation};
-use vb_trial::{Keep, Place, Setting, Trial, Wants};
-use vb_world::{Suite, Task, TaskRef};
+use vb_trial::{Cache, Keep, Place, Setting, Trial, Wants};
+use vb_world::{Suite, Task, TaskId};
 
-use crate::cache::Cache;
 use crate::{EnvError, Reward};
 
 /// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
@@ -92,7 +91,7 @@ impl Default for Options {
 
 /// A task, ready to be driven: its world, and the vehicle as it stands at the start.
 pub(crate) struct Start {
-    pub(crate) name: String,
+    pub(crate) name: TaskId,
     pub(crate) place: Place,
     pub(crate) task: Task,
     pub(crate) simulation: Simulation,
@@ -109,7 +108,7 @@ pub struct Arena {
     pub(crate) reward: Reward,
     options: Options,
     suite: Suite,
-    tasks: Vec<TaskRef>,
+    tasks: Vec<TaskId>,
     places: Cache<Place>,
     starts: Cache<Arc<Start>>,
     painters: Cache<Arc<Painter>>,
@@ -176,15 +175,15 @@ impl Arena {
             params: Vec::new(),
         };
         // What a task of the first world comes with, all others come with too.
-        let place = Place::load(&suite, &first.world, scale)?;
-        let Some(task) = place.world.task(&first.task) else {
-            return Err(option("tasks", first.task.clone(), "is not in its world"));
+        let place = Place::load(&suite, first.world(), scale)?;
+        let Some(task) = place.world.task(first.task()) else {
+            return Err(option("tasks", first.to_string(), "is not in its world"));
         };
         let (_, brief) = setting.brief(&place, task, &wants)?;
         let layout =
             Layout::new(&options.observation, options.sight, &brief).map_err(EnvError::Observation)?;
         let places = Cache::new(WORLDS);
-        let _ = places.get(&first.world, || Ok::<_, EnvError>(place));
+        let _ = places.get(first.world(), || Ok::<_, EnvError>(place));
         Ok(Self {
             setting,
             wants,
@@ -231,7 +230,7 @@ impl Arena {
 
     /// The tasks, in the suite's order.
     #[must_use]
-    pub fn tasks(&self) -> &[TaskRef] {
+    pub fn tasks(&self) -> &[TaskId] {
         &self.tasks
     }
 
@@ -265,10 +264,9 @@ impl Arena {
         self.wants.control_period
     }
 
-    pub(crate) fn find(&self, name: &str) -> Result<usize, EnvError> {
-        let is_it = |t: &TaskRef| name.split_once('/') == Some((&t.world, &t.task));
-        self.tasks.iter().position(is_it).ok_or_else(|| EnvError::NoTask {
-            task: name.to_owned(),
+    pub(crate) fn find(&self, task: &TaskId) -> Result<usize, EnvError> {
+        self.tasks.iter().position(|t| t == task).ok_or_else(|| EnvError::NoTask {
+            task: task.clone(),
             count: self.tasks.len(),
             first: self.tasks.iter().take(3).map(ToString::to_string).collect::<Vec<_>>().join(", "),
         })
@@ -276,12 +274,11 @@ impl Arena {
 
     /// A task with its vehicle at the start.
     pub(crate) fn start(&self, index: usize) -> Result<Arc<Start>, EnvError> {
-        let wanted = &self.tasks[index];
-        let name = wanted.to_string();
-        self.starts.get(&name, || {
-            let load = || Place::load(&self.suite, &wanted.world, self.setting.scale);
-            let place = self.places.get(&wanted.world, load)?;
-            let task = place.world.task(&wanted.task).cloned().ok_or_else(|| EnvError::NoTask {
+        let name = &self.tasks[index];
+        self.starts.get(name.as_str(), || {
+            let load = || Place::load(&self.suite, name.world(), self.setting.scale);
+            let place = self.places.get(name.world(), load)?;
+            let task = place.world.task(name.task()).cloned().ok_or_else(|| EnvError::NoTask {
                 task: name.clone(),
                 count: self.tasks.len(),
                 first: String::new(),

@@ -2,6 +2,7 @@
 //! bytes can't bring the simulation into a state that is not reachable by driving.
 
 use serde::{Deserialize, Serialize};
+use vb_world::TaskId;
 
 use crate::EnvError;
 
@@ -16,7 +17,7 @@ const MAX_BYTES: usize = 16 << 20;
 pub(crate) struct DriveLog {
     /// The hash of the options of the arena.
     pub(crate) options: String,
-    pub(crate) task: String,
+    pub(crate) task: TaskId,
     /// The seed of the sensors' noise.
     pub(crate) run_seed: u64,
     /// Where the stream stands that later tasks are drawn from.

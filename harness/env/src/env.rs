@@ -12,6 +12,7 @@ use vb_sdk::policy::{Actuator, Dimension, Observer, Row};
 use vb_sdk::{Observation, Point2};
 use vb_sim::{SimError, VehicleState};
 use vb_trial::Episode;
+use vb_world::TaskId;
 
 use crate::arena::Start;
 use crate::drive_log::DriveLog;
@@ -27,7 +28,7 @@ pub struct Reset {
     /// The seed of all that is random from now on; `None` to go on with the numbers of the last one.
     pub seed: Option<u64>,
     /// The task, e.g. `w001/t03`; `None` for one that is drawn.
-    pub task: Option<String>,
+    pub task: Option<TaskId>,
     /// The seed of the sensors' noise, that of a run (`vb-harness run --seed`); `None` for one that is drawn.
     pub run_seed: Option<u64>,
 }
@@ -107,7 +108,7 @@ impl Env {
     /// Returns an error if there is no such task, or it can't be begun; the last episode goes on then. A drawn task that can't be
     /// begun isn't drawn again: the next reset goes on with the numbers that follow.
     pub fn reset(&mut self, reset: &Reset) -> Result<(), EnvError> {
-        let fixed = reset.task.as_deref().map(|name| self.arena.find(name)).transpose()?;
+        let fixed = reset.task.as_ref().map(|task| self.arena.find(task)).transpose()?;
         let mut stream = reset.seed.map_or_else(|| self.draws.clone(), draws);
         // Both are drawn whether they are used or not, so that later episodes stay the same.
         let drawn = stream.below(self.arena.tasks().len() as u64) as usize;
@@ -161,8 +162,8 @@ impl Env {
 
     /// The name of the task; `None` before the first episode.
     #[must_use]
-    pub fn task(&self) -> Option<&str> {
-        self.running.as_ref().map(|r| r.start.name.as_str())
+    pub fn task(&self) -> Option<&TaskId> {
+        self.running.as_ref().map(|r| &r.start.name)
     }
 
     /// The seed of the sensors' noise; `None` before the first episode.
@@ -372,7 +373,9 @@ impl Running {
         let mut terms = arena.reward().terms(&measured);
         // The state of a simulation that has failed may be anything.
         for (term, worth) in TERMS.iter().zip(&mut terms) {
-            if !worth.is_finite() || (outcome == Some(Outcome::SimError) && term.name != "sim_error") {
+            if !worth.is_finite()
+                || (outcome == Some(Outcome::SimError) && !term.is_of_end(Outcome::SimError))
+            {
                 *worth = 0.0;
             }
         }

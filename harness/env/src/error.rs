@@ -7,7 +7,7 @@ use vb_files::DocumentError;
 use vb_sdk::PlannerError;
 use vb_sim::SimError;
 use vb_trial::{TrialError, panic_text};
-use vb_world::{SelectorError, SuiteError};
+use vb_world::{SelectorError, SuiteError, TaskId, TaskIdError};
 
 /// An error of an environment. Each message is one line with what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +32,7 @@ pub enum EnvError {
     #[error("{task}: {source}")]
     Start {
         /// The name of the task.
-        task: String,
+        task: TaskId,
         /// What went wrong.
         source: SimError,
     },
@@ -61,11 +61,14 @@ pub enum EnvError {
         /// The world of the suite.
         of: String,
     },
+    /// A text is not the name of a task.
+    #[error(transparent)]
+    TaskId(#[from] TaskIdError),
     /// There is no such task among those of the environment.
     #[error("there is no task {task} among the {count} tasks of this environment (the first are {first})")]
     NoTask {
         /// The name that was given.
-        task: String,
+        task: TaskId,
         /// How many there are.
         count: usize,
         /// The names of the first.
@@ -108,7 +111,7 @@ pub enum EnvError {
     )]
     Elsewhere {
         /// The name of the task.
-        task: String,
+        task: TaskId,
     },
     /// The environment has no episode.
     #[error("there is no episode: call reset first")]

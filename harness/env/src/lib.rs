@@ -11,7 +11,6 @@
 #![deny(missing_docs)]
 
 mod arena;
-mod cache;
 mod drive_log;
 mod env;
 mod error;

@@ -1,7 +1,9 @@
 //! What a policy would have seen in a drive that was recorded.
 
 use vb_sdk::policy::{Dtype, Observer, Row};
-use vb_sdk::{Gear, Observation, Pose, Vec3};
+use vb_sdk::{Observation, Pose, Vec3};
+use vb_trial::{numbered_gear, planner_gear};
+use vb_world::TaskId;
 
 use crate::{Arena, EnvError};
 
@@ -36,11 +38,7 @@ impl Frame {
             linear_velocity: Vec3 { x: vx, y: vy, z: vz },
             angular_velocity: Vec3 { x: wx, y: wy, z: wz },
         };
-        let gear = match gear {
-            g if g < -0.5 => Gear::Reverse,
-            g if g > 0.5 => Gear::Forward,
-            _ => Gear::Neutral,
-        };
+        let gear = planner_gear(numbered_gear(gear));
         let pose = Some(pose);
         Observation {
             pose,
@@ -61,7 +59,7 @@ impl Arena {
     ///
     /// # Errors
     /// Returns an error if there is no such task.
-    pub fn recall(&self, task: &str, frames: &[Frame]) -> Result<Vec<Column>, EnvError> {
+    pub fn recall(&self, task: &TaskId, frames: &[Frame]) -> Result<Vec<Column>, EnvError> {
         let start = self.start(self.find(task)?)?;
         let brief = self.brief(&start, 0)?;
         let mut observer = Observer::new(&brief, self.layout()).map_err(EnvError::Observation)?;

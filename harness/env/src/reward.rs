@@ -22,6 +22,13 @@ pub struct Term {
     kind: Kind,
 }
 
+impl Term {
+    /// Whether it is of episodes with this end.
+    pub(crate) fn is_of_end(self, outcome: Outcome) -> bool {
+        self.kind == Kind::End(outcome)
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Progress,

@@ -1,12 +1,14 @@
 //! Many environments at a time, stepped by several threads.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use vb_curriculum::{Curriculum, Ending, Spec};
+use vb_files::lock;
 use vb_score::{Outcome, TaskRecord};
+use vb_world::TaskId;
 
 use crate::error::guarded;
 use crate::{Arena, Env, EnvError, Output, Reset, Step};
@@ -34,7 +36,7 @@ pub struct Arrival {
     /// The index of the environment, from 0.
     pub index: usize,
     /// The task and the seed of the sensors' noise, if an episode has begun.
-    pub began: Option<(String, u64)>,
+    pub began: Option<(TaskId, u64)>,
     /// The record of the episode that has ended; `None` if the episode goes on.
     pub ended: Option<Box<TaskRecord>>,
 }
@@ -49,7 +51,7 @@ struct Place {
     env: Env,
     is_over: bool,
     /// The name of the task that the curriculum has chosen for the next episode.
-    next: Option<String>,
+    next: Option<TaskId>,
 }
 
 impl Place {
@@ -119,11 +121,6 @@ enum Phase {
 #[allow(clippy::disallowed_methods, reason = "it tells when the caller is asked, which changes no result")]
 fn now() -> Instant {
     Instant::now()
-}
-
-/// A panic while a lock is held is told as an error of its environment; what the lock holds is whole.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl VectorEnv {
@@ -229,7 +226,7 @@ impl VectorEnv {
     ///
     /// # Errors
     /// Returns an error if there is no such task. Without a curriculum nothing happens.
-    pub fn score(&mut self, task: &str, score: f64) -> Result<(), EnvError> {
+    pub fn score(&mut self, task: &TaskId, score: f64) -> Result<(), EnvError> {
         let task = self.arena.find(task)?;
         if let Some(curriculum) = &mut self.curriculum {
             curriculum.score(task, score);
@@ -259,7 +256,7 @@ impl VectorEnv {
         for (index, place) in self.shared.places.iter().enumerate().filter(|(k, _)| !self.at_work[*k]) {
             let next = &mut lock(place).next;
             if anew || next.is_none() {
-                *next = Some(self.arena.tasks()[curriculum.draw(index)].to_string());
+                *next = Some(self.arena.tasks()[curriculum.draw(index)].clone());
             }
         }
     }
@@ -526,7 +523,7 @@ impl Shared {
             }
             env.reset(&reset)?;
             *is_over = env.record().is_some();
-            began = env.task().map(str::to_owned).zip(env.run_seed());
+            began = env.task().cloned().zip(env.run_seed());
         }
         // SAFETY: this thread has the job of this index.
         unsafe {

@@ -2,19 +2,26 @@
 //!
 //! A named pipe would hang whoever opens it, `/dev/zero` never ends, and a document of gigabytes fills the memory before anybody
 //! can say that it makes no sense. So only regular files are read (links to such are fine), up to a limit that the caller states.
+//!
+//! Every crate of the harness can depend on this one, so it also has the lock of a mutex that a panic does not poison ([`lock`]).
 
 pub mod bundle;
 pub mod document;
 mod hash;
+mod lock;
 mod text;
+mod write;
 pub mod yaml;
 
 pub use document::{Document, DocumentError, Flaw, Schema};
 pub use hash::{Hash, sha256};
+pub use lock::lock;
+pub use text::{cut_line, one_line, printable};
+pub use write::{NewFile, durable, is_temporary, sync_dir, write};
+
 use std::fs::{self, File};
-use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
+use std::io::{Error, ErrorKind, Read as _, Result};
 use std::path::Path;
-pub use text::{one_line, printable};
 
 /// The most that is read of a document that people write or look at – a vehicle, rules, a suite's index – in bytes. The largest
 /// that comes with the harness has 65 KB.
@@ -58,39 +65,6 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String> {
         .map_err(|_| Error::new(ErrorKind::InvalidData, "it is no UTF-8 text"))
 }
 
-/// Writes a file whole: under a new name beside it, which is then renamed. So no reader sees half of it, and what else is linked
-/// to an older file of that name stays as it is. A link or device of that name is refused, not followed or replaced.
-///
-/// # Errors
-/// If something else than a regular file is in the way, or the operating system refuses.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    match fs::symlink_metadata(path) {
-        Ok(meta) if !meta.is_file() => {
-            return Err(Error::new(
-                ErrorKind::AlreadyExists,
-                "a link, folder or device of that name is in the way",
-            ));
-        }
-        Err(e) if e.kind() != ErrorKind::NotFound => return Err(e),
-        _ => {}
-    }
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".").suffix(".tmp");
-    // Temporary files are for their owner alone; this one becomes an ordinary file, as the user's umask has it.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(parent)?;
-    file.write_all(bytes)?;
-    match file.as_file().sync_all() {
-        // Some file systems can't make a file durable, and say that it is no operation of theirs.
-        Err(e) if matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {}
-        other => other?,
-    }
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,25 +97,5 @@ mod tests {
         fs::write(at("a"), "x").unwrap();
         symlink(at("a"), at("link")).unwrap();
         assert_eq!(read(&at("link"), 5).unwrap(), b"x");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_is_replaced_not_written_through_its_links() {
-        use std::os::unix::fs::{PermissionsExt as _, symlink};
-        let dir = tempfile::tempdir().unwrap();
-        let at = |name: &str| dir.path().join(name);
-        fs::write(at("precious"), "old").unwrap();
-        fs::hard_link(at("precious"), at("out")).unwrap();
-        write(&at("out"), b"new").unwrap();
-        assert_eq!(
-            (fs::read(at("precious")).unwrap(), fs::read(at("out")).unwrap()),
-            (b"old".into(), b"new".into())
-        );
-        assert_eq!(fs::metadata(at("out")).unwrap().permissions().mode() & 0o700, 0o600);
-        symlink(at("precious"), at("link")).unwrap();
-        assert!(write(&at("link"), b"new").unwrap_err().to_string().contains("in the way"));
-        assert_eq!(fs::read(at("precious")).unwrap(), b"old");
-        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 3, "no temporary file stays");
     }
 }

@@ -15,12 +15,18 @@ fn is_unprintable(c: char) -> bool {
             | '\u{fff0}'..='\u{fffb}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
 }
 
-/// Turns text from outside into one printable line of at most 2000 characters: lines are joined, and what a terminal
-/// might act on or a reader can't see becomes `U+FFFD`.
+/// Turns untrusted text into one printable line of at most 2000 characters; see [`cut_line`].
 #[must_use]
 pub fn one_line(text: &str) -> String {
+    cut_line(text, MAX)
+}
+
+/// Turns untrusted text into one printable line: joins its lines, cuts after `most` characters (then with an ellipsis), and replaces
+/// what a terminal might act on, or a reader can't see, by `U+FFFD`.
+#[must_use]
+pub fn cut_line(text: &str, most: usize) -> String {
     let mut line = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ");
-    if let Some((end, _)) = line.char_indices().nth(MAX) {
+    if let Some((end, _)) = line.char_indices().nth(most) {
         line.truncate(end);
         line.push('…');
     }
@@ -41,6 +47,7 @@ mod tests {
     fn planner_text_cannot_command_the_terminal() {
         assert_eq!(one_line("a:\n  b\r\n\n\u{1b}[2Jc"), "a: b \u{fffd}[2Jc");
         assert_eq!(one_line(&"x".repeat(5000)).chars().count(), 2001);
+        assert_eq!((cut_line("äöü", 3).as_str(), cut_line("äöü", 2).as_str()), ("äöü", "äö…"));
         // C1 controls: the one-byte form of "ESC [".
         assert_eq!(one_line("\u{9b}2J"), "\u{fffd}2J");
     }

@@ -23,7 +23,7 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Flaw> {
     });
     parsed.map_err(|e| {
         let field = if field.is_empty() || field == "." { "document".into() } else { field };
-        let mut problem = one_line(&e.without_snippet().to_string());
+        let mut problem = crate::one_line(&e.without_snippet().to_string());
         let place = e.location().map(|l| (l.line() as usize, l.column() as usize));
         if let Some(value) = place.and_then(|(line, column)| scalar_at(text, line, column)) {
             problem = format!("{value:?}: {problem}");
@@ -40,8 +40,4 @@ fn scalar_at(text: &str, line: usize, column: usize) -> Option<&str> {
     let end = rest.find([',', '}', ']', '#']).unwrap_or(rest.len());
     let value = rest[..end].trim();
     (!value.is_empty() && !value.starts_with(['{', '[']) && !value.starts_with("- ")).then_some(value)
-}
-
-fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use vb_figure::FigureError;
 use vb_render::RenderError;
+use vb_world::TaskId;
 
 /// An error of a film. Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -57,10 +58,10 @@ pub enum FilmError {
     #[error("cannot write {}: {reason}", .path.display())]
     Write { path: PathBuf, reason: String },
     #[error("task {task}: {source}")]
-    Picture { task: String, source: RenderError },
+    Picture { task: TaskId, source: RenderError },
     /// A run without a single frame, or with another vehicle than its trace.
     #[error("run {run}: task {task} can't be drawn: {reason}")]
-    Run { run: String, task: String, reason: &'static str },
+    Run { run: String, task: TaskId, reason: &'static str },
     #[error(transparent)]
     Caption(#[from] FigureError),
 }

@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 
+use vb_files::NewFile;
 use vb_render::Size;
 
 use crate::video::cannot_write;
@@ -52,14 +53,13 @@ pub(crate) struct Encoder {
     /// Reads what ffmpeg says, so that it never waits for a reader.
     said: Option<std::thread::JoinHandle<String>>,
     /// Where it writes, which becomes `path` at the end.
-    part: PathBuf,
+    new: NewFile,
     path: PathBuf,
 }
 
 impl Encoder {
     pub(crate) fn start(format: VideoFormat, size: Size, fps: f64, path: &Path) -> Result<Self, FilmError> {
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let part = path.with_file_name(format!(".{name}.part"));
+        let new = NewFile::at(path).map_err(|e| cannot_write(path, &e))?;
         let mut command = Command::new(PROGRAM);
         command.args([
             "-hide_banner",
@@ -78,7 +78,7 @@ impl Encoder {
         // The colours of films in high definition, said in the file, so that players don't guess.
         command.args(["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"]);
         command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
-        command.args(options(format)).arg(file_argument(&part));
+        command.args(options(format)).arg(file_argument(new.path()));
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|e| match e.kind() {
             ErrorKind::NotFound => FilmError::NoEncoder { format: format.name() },
@@ -93,7 +93,7 @@ impl Encoder {
                 String::from_utf8_lossy(&text).into_owned()
             })
         });
-        Ok(Self { child, input, said, part, path: path.to_owned() })
+        Ok(Self { child, input, said, new, path: path.to_owned() })
     }
 
     /// Hands a frame over.
@@ -109,19 +109,12 @@ impl Encoder {
         let failed = |reason: String| FilmError::Encoder { path: self.path.clone(), reason };
         let status = self.child.wait().map_err(|e| failed(e.to_string()))?;
         let said = self.said.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        let result = if status.success() {
-            drawn.and_then(|()| {
-                std::fs::rename(&self.part, &self.path).map_err(|e| cannot_write(&self.path, &e))
-            })
-        } else {
+        if !status.success() {
             let last = said.lines().rev().find(|l| !l.trim().is_empty());
-            Err(failed(last.map_or_else(|| status.to_string(), |l| l.trim().to_owned())))
-        };
-        if result.is_err() {
-            // It may never have been made.
-            let _ = std::fs::remove_file(&self.part);
+            return Err(failed(last.map_or_else(|| status.to_string(), |l| l.trim().to_owned())));
         }
-        result
+        drawn?;
+        self.new.finish().map_err(|e| cannot_write(&self.path, &e))
     }
 }
 

@@ -6,6 +6,7 @@ use vb_figure::Overlay;
 use vb_render::{Painter, Size};
 use vb_replay::{RUN_COLOURS, Replay};
 use vb_vehicle::VehicleModel;
+use vb_world::TaskId;
 
 use crate::layout::Layout;
 use crate::panel::{Panel, Stage};
@@ -25,7 +26,7 @@ pub struct Style {
 
 /// A task with its runs, as it is filmed: a panel for each run, in a frame.
 pub struct Film {
-    task: String,
+    task: TaskId,
     style: Style,
     layout: Layout,
     stage: Stage,
@@ -40,7 +41,7 @@ impl Film {
     /// Returns an error if a run has no frames, or a vehicle with other wheels than its trace; if there are more runs than can be
     /// shown beside each other; and if the frame is too small or too large.
     pub fn new(replay: &Replay, style: Style) -> Result<Self, FilmError> {
-        let task = format!("{}/{}", replay.world.id, replay.task.id);
+        let task = replay.id();
         let layout = Layout::new(replay.runs.len(), style.size)?;
         let mut painters: Vec<(&vb_vehicle::VehicleSpec, Arc<Painter>)> = Vec::new();
         let mut panels = Vec::new();

@@ -51,7 +51,7 @@ fn run(label: &str, speed: f64, outcome: Outcome) -> ReplayRun {
         frames,
     };
     let record = TaskRecord {
-        task: "w001/t00".into(),
+        task: "w001/t00".parse().unwrap(),
         world: "w001".into(),
         outcome,
         three_way: outcome.three_way(false),
@@ -72,7 +72,7 @@ fn run(label: &str, speed: f64, outcome: Outcome) -> ReplayRun {
 fn blank() -> TaskRecord {
     let world = world();
     TaskRecord {
-        task: String::new(),
+        task: "w001/t00".parse().unwrap(),
         world: String::new(),
         elevation: world.elevation,
         terrain: world.terrain,

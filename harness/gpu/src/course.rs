@@ -5,7 +5,7 @@ use std::path::Path;
 use vb_catalog::Catalog;
 use vb_kernel::wire::{Place, Setting};
 use vb_score::Rules;
-use vb_world::{Task, TaskRef, World};
+use vb_world::{Task, World};
 
 use crate::Start;
 
@@ -61,15 +61,15 @@ impl Course {
         let scale = vehicle.spec.scale;
         let setting = vb_trial::Setting::new(&vehicle, &soils, &rules, &perception, time_step, scale, 0)?;
         let (mut worlds, mut chosen) = (Vec::<World>::new(), Vec::new());
-        for TaskRef { world: id, task } in vb_catalog::select(&suite, tasks)? {
-            let world = match worlds.iter().position(|world| world.id == id) {
+        for id in vb_catalog::select(&suite, tasks)? {
+            let world = match worlds.iter().position(|world| world.id == id.world()) {
                 Some(known) => known,
                 None => {
-                    worlds.push(suite.load_world(&id)?.at_scale(scale));
+                    worlds.push(suite.load_world(id.world())?.at_scale(scale));
                     worlds.len() - 1
                 }
             };
-            chosen.extend(worlds[world].task(&task).map(|task| (world, task.clone())));
+            chosen.extend(worlds[world].task(id.task()).map(|task| (world, task.clone())));
         }
         Ok(Self { setting, worlds, tasks: chosen })
     }
@@ -92,9 +92,6 @@ impl Course {
 
     #[must_use]
     pub fn names(&self) -> Vec<String> {
-        let name = |(world, task): &(usize, Task)| {
-            TaskRef { world: self.worlds[*world].id.clone(), task: task.id.clone() }.to_string()
-        };
-        self.tasks.iter().map(name).collect()
+        self.tasks.iter().map(|(world, task)| self.worlds[*world].task_id(task).to_string()).collect()
     }
 }

@@ -186,7 +186,7 @@ impl Arena {
             command: std::array::from_fn(|i| commands[[k, i]]),
         };
         let frames: Vec<Frame> = (0..count).map(frame).collect();
-        let columns = errors::guarded(py, || self.inner.recall(task, &frames))?;
+        let columns = errors::guarded(py, || self.inner.recall(&task.parse()?, &frames))?;
         let array = |(column, part): (&Column, &vb_sdk::policy::Part)| {
             let shape = [&[count], &part.shape[..]].concat();
             match column {

@@ -1,11 +1,13 @@
 //! The single environment.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use vb_env::{EnvError, Reset, Size, Terms, View};
+use vb_files::lock;
 use vb_sdk::policy::{Dtype, Row};
+use vb_world::TaskId;
 
 use crate::arena::Arena;
 use crate::arrays::copied;
@@ -36,7 +38,7 @@ impl Env {
     /// Locks the environment. Release it before creating Python objects: that may switch to another Python thread, which would
     /// wait for this lock and never release Python's.
     fn lock(&self) -> MutexGuard<'_, vb_env::Env> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.inner)
     }
 }
 
@@ -57,7 +59,10 @@ impl Env {
         task: Option<String>,
         run_seed: Option<u64>,
     ) -> PyResult<()> {
-        errors::guarded(py, || self.lock().reset(&Reset { seed, task, run_seed }))
+        errors::guarded(py, || {
+            let task = task.map(TaskId::try_from).transpose()?;
+            self.lock().reset(&Reset { seed, task, run_seed })
+        })
     }
 
     /// Simulates one action; returns the reward, the values of its terms, and whether the episode has terminated or was truncated.
@@ -99,7 +104,7 @@ impl Env {
     /// Returns the task name and the seed of the sensor noise; None without an episode.
     fn episode(&self) -> Option<(String, u64)> {
         let env = self.lock();
-        Some((env.task()?.to_owned(), env.run_seed()?))
+        Some((env.task()?.to_string(), env.run_seed()?))
     }
 
     /// Returns the record of an ended episode as JSON; otherwise None.

@@ -10,7 +10,7 @@ pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
         EnvError::NoEpisode | EnvError::Ended(_) | EnvError::Pending(_) | EnvError::Nothing => "EpisodeError",
         // The options are valid: other tasks can be begun.
         error if error.is_divergence() => "EpisodeError",
-        EnvError::NoTask { .. } | EnvError::NoEnv { .. } => "UnknownError",
+        EnvError::TaskId(_) | EnvError::NoTask { .. } | EnvError::NoEnv { .. } => "UnknownError",
         EnvError::Panic(_) => "PanicError",
         _ => "OptionError",
     };

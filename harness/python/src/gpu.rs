@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use dlpark::ffi::{DLDataType, DLDevice, DLManagedTensor, DLManagedTensorVersioned};
 use dlpark::metadata::Fixed;
@@ -55,7 +55,7 @@ impl Fleet {
         py: Python<'_>,
         of: impl FnOnce(&mut vb_gpu::Fleet) -> Result<T, GpuError> + Send,
     ) -> PyResult<T> {
-        let fleet = || self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let fleet = || vb_files::lock(&self.inner);
         work(py, || of(&mut fleet()).map_err(FleetError::Gpu))
     }
 

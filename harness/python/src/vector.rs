@@ -1,12 +1,13 @@
 //! The vector environment.
 
-use std::sync::{Mutex, PoisonError, TryLockError};
+use std::sync::{Mutex, TryLockError};
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vb_curriculum::{Curriculum, Spec};
 use vb_env::{Arrival, Autoreset, EnvError, Pointer, Reset};
+use vb_world::TaskId;
 
 use crate::arena::Arena;
 use crate::arrays::over;
@@ -75,7 +76,7 @@ impl VectorEnv {
     /// the reception of its environment until its next step or reset.
     fn arrays<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
         let (py, own) = (slf.py(), slf.get());
-        let env = own.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let env = vb_files::lock(&own.inner);
         let (count, output, owner) = (env.count(), env.output(), slf.as_any());
         // SAFETY: the memory belongs to the environment, which the arrays keep alive, has a row of the right width for each
         // environment, and never moves. The package hands out rows of environments that aren't at work.
@@ -120,7 +121,7 @@ impl VectorEnv {
 
     /// Reports the learner's score of a task to the curriculum.
     fn score(&self, py: Python<'_>, task: &str, score: f64) -> PyResult<()> {
-        self.with(py, |env| env.score(task, score))
+        self.with(py, |env| env.score(&task.parse()?, score))
     }
 
     /// Begins episodes; each entry is (index, seed or None, task or None, seed of the sensor noise or None).
@@ -130,9 +131,12 @@ impl VectorEnv {
         py: Python<'_>,
         resets: Vec<(usize, Option<u64>, Option<String>, Option<u64>)>,
     ) -> PyResult<()> {
-        let resets = resets.into_iter();
-        let resets = resets.map(|(k, seed, task, run_seed)| (k, Reset { seed, task, run_seed })).collect();
-        self.with(py, |env| env.reset(resets))
+        self.with(py, |env| {
+            let reset = |(k, seed, task, run_seed): (_, _, Option<String>, _)| {
+                Ok((k, Reset { seed, task: task.map(TaskId::try_from).transpose()?, run_seed }))
+            };
+            env.reset(resets.into_iter().map(reset).collect::<Result<_, EnvError>>()?)
+        })
     }
 
     /// Begins a step of the environments with these indices, with one row of `actions` each.
@@ -164,7 +168,7 @@ impl VectorEnv {
         };
         let arrival = |a: Arrival| {
             let record = a.ended.and_then(|r| serde_json::to_string(&*r).ok());
-            (a.index, a.began, record)
+            (a.index, a.began.map(|(task, seed)| (task.to_string(), seed)), record)
         };
         Ok(arrivals.into_iter().map(arrival).collect())
     }

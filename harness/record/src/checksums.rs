@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use vb_files::sha256;
+
+use vb_files::{durable, sha256};
+use vb_world::TaskId;
 
 use crate::StoreError;
-use crate::files::durable;
 
 /// The file in a run directory.
 pub(crate) const CHECKSUMS: &str = "checksums.txt";
@@ -22,7 +23,7 @@ const HEX: usize = 64;
 const HINT: &str = "the disk or a copy is damaged: restore the run from where it was whole, or run it again";
 
 /// The name by which a task's record has its checksum.
-pub(crate) fn record_name(task: &str) -> String {
+pub(crate) fn record_name(task: &TaskId) -> String {
     format!("tasks.jsonl {task}")
 }
 

@@ -67,11 +67,6 @@ pub enum StoreError {
         /// A hint on what to do.
         hint: &'static str,
     },
-    /// A task's name can't name a file.
-    #[error(
-        "task name {0:?} can't name a trace file: want WORLD/TASK of letters, digits, '-', '_' and '.' (rename it in the suite)"
-    )]
-    TaskName(String),
     /// A value can't be written as JSON or Parquet.
     #[error("cannot encode {what}: {detail} (this is a fault of the harness: please report it)")]
     Encode {

@@ -6,7 +6,6 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::StoreError;
-use crate::files::sync_dir;
 
 /// The lock of a folder whose files the lock itself is none of.
 const LOCK: &str = ".lock";
@@ -170,7 +169,7 @@ impl NewFolder {
             let to = self.out.join(&name);
             fs::rename(dir.join(&name), &to).map_err(StoreError::io("rename to", &to))?;
         }
-        sync_dir(&self.out);
+        vb_files::sync_dir(&self.out);
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LogMode, TraceMode, planner_with_params, suite_with_selection};
+use crate::{LogMode, TraceMode, differences, planner_with_params, suite_with_selection};
 
 /// The version of the layout of a run directory, raised with every change that other readers can't read.
 pub const RUN_SCHEMA: u32 = 3;
@@ -184,41 +184,12 @@ impl RunHeader {
     /// there is no such field.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
-        let (a, b) = (flatten(self), flatten(other));
-        let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+        let mut found = differences(self, other, usize::MAX);
+        found.retain(|d| !INFORMATION_ONLY.contains(&d.path.as_str()));
         // A name says more than the hash, and the hash more than the fields of the profile that it covers.
-        let mut differing: Vec<&String> = keys
+        let first = found
             .into_iter()
-            .filter(|k| !INFORMATION_ONLY.contains(&k.as_str()) && a.get(*k) != b.get(*k))
-            .collect();
-        differing.sort_by_key(|k| (k.starts_with("rules.profile"), *k == "rules.hash"));
-        let key = differing.first()?;
-        let text =
-            |m: &BTreeMap<String, Value>| m.get(*key).map_or_else(|| "nothing".to_owned(), Value::to_string);
-        Some(((*key).clone(), text(&a), text(&b)))
+            .min_by_key(|d| (d.path.starts_with("rules.profile"), d.path == "rules.hash"))?;
+        Some((first.path, first.a, first.b))
     }
-}
-
-/// The leaves of a header by dotted path.
-fn flatten(header: &RunHeader) -> BTreeMap<String, Value> {
-    fn walk(path: &str, value: &Value, out: &mut BTreeMap<String, Value>) {
-        match value {
-            Value::Object(fields) => {
-                for (k, v) in fields {
-                    let path = if path.is_empty() { k.clone() } else { format!("{path}.{k}") };
-                    walk(&path, v, out);
-                }
-            }
-            leaf => {
-                out.insert(path.to_owned(), leaf.clone());
-            }
-        }
-    }
-    let mut out = BTreeMap::new();
-    walk(
-        "",
-        &serde_json::to_value(header).expect("a header has text keys and finite numbers only"),
-        &mut out,
-    );
-    out
 }

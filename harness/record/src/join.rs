@@ -7,11 +7,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use vb_world::TaskId;
 
 use crate::checksums::{CHECKSUMS, Checksums, missing, record_name};
-use crate::files::write_atomic;
 use crate::folder::NewFolder;
-use crate::store::{HEADER, LOCK, SUMMARY, TASKS, debug_name, names, pretty, trace_name};
+use crate::store::{HEADER, LOCK, SUMMARY, TASKS, debug_name, names, pretty, trace_name, write_atomic};
 use crate::{RunHeader, RunReader, StoreError};
 
 /// A run directory that is made of records which are there already. It is there only when it is whole.
@@ -21,7 +21,7 @@ pub struct RunJoiner {
     checksums: Checksums,
     /// The checksums of each run that was taken from; `None` where it has none.
     sources: BTreeMap<PathBuf, Option<Checksums>>,
-    names: Vec<String>,
+    tasks: Vec<TaskId>,
     records: Vec<u8>,
 }
 
@@ -36,20 +36,20 @@ impl RunJoiner {
         let header = pretty("run.json", header)?;
         checksums.add(HEADER, &header);
         write_atomic(&folder.dir().join(HEADER), &header)?;
-        Ok(Self { folder, checksums, sources: BTreeMap::new(), names: Vec::new(), records: Vec::new() })
+        Ok(Self { folder, checksums, sources: BTreeMap::new(), tasks: Vec::new(), records: Vec::new() })
     }
 
     /// Adds a task: the line of its record, and its trace and debug series in the run that drove it. Tasks are added in the order
     /// of the suite.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`], [`StoreError::Damaged`] if a file isn't as it was written, or an error of the file system.
-    pub fn add(&mut self, task: &str, line: &[u8], from: &RunReader) -> Result<(), StoreError> {
-        for name in [trace_name(task)?, debug_name(task)?] {
+    /// Returns [`StoreError::Damaged`] if a file isn't as it was written, or an error of the file system.
+    pub fn add(&mut self, task: &TaskId, line: &[u8], from: &RunReader) -> Result<(), StoreError> {
+        for name in [trace_name(task), debug_name(task)] {
             self.copy(&name, from)?;
         }
         self.checksums.add(&record_name(task), line);
-        self.names.push(task.to_owned());
+        self.tasks.push(task.clone());
         self.records.extend_from_slice(line);
         self.records.push(b'\n');
         Ok(())
@@ -89,7 +89,7 @@ impl RunJoiner {
     /// # Errors
     /// Returns an error of the file system.
     pub fn finish<T: Serialize>(self, summary: &T) -> Result<(), StoreError> {
-        let order = names(&self.names)?;
+        let order = names(&self.tasks);
         let dir = self.folder.dir();
         write_atomic(&dir.join(LOCK), b"")?;
         write_atomic(&dir.join(CHECKSUMS), self.checksums.text(order.iter().map(String::as_str)).as_bytes())?;

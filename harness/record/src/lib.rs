@@ -11,8 +11,8 @@
 mod bounded;
 mod checksums;
 mod debug;
+mod difference;
 mod error;
-mod files;
 mod folder;
 mod header;
 mod join;
@@ -27,6 +27,7 @@ mod trace;
 
 pub use bounded::{ParquetBounds, read_parquet};
 pub use debug::{DebugEntry, DebugSeries};
+pub use difference::{Difference, differences};
 pub use error::StoreError;
 pub use folder::{FolderLock, NewFolder};
 pub use header::{

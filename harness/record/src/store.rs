@@ -4,14 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use std::sync::Mutex;
 
 use crate::checksums::{CHECKSUMS, ChecksumWriter, Checksums, missing, record_name};
-use crate::files::{durable, is_temporary, sync_dir, write_atomic};
 use crate::folder::FolderLock;
+use serde::de::{DeserializeOwned, Error as _};
+use serde::{Deserialize, Deserializer, Serialize};
+use vb_files::{durable, is_temporary, lock, sync_dir};
+use vb_world::TaskId;
+
 use crate::{DebugEntry, DebugSeries, RUN_SCHEMA, RunHeader, StoreError, Trace, TraceMode};
 
 pub(crate) const HEADER: &str = "run.json";
@@ -135,14 +136,14 @@ impl RunStore {
             .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
         {
             // Before the record: what counts has its checksum. Those of the task's files become durable along with it.
-            let mut checksums = self.checksums.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut checksums = lock(&self.checksums);
             checksums.add(&record_name(&key.task), &line)?;
             checksums.sync()?;
         }
         line.push(b'\n');
         let path = self.dir.join(TASKS);
         // A panic elsewhere can't have left the state half changed: it is changed last.
-        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut tasks = lock(&self.tasks);
         let written = tasks
             .file
             .write_all(&line)
@@ -162,28 +163,28 @@ impl RunStore {
     /// a task that is done has its trace.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`] or an error of the file system.
+    /// Returns an error of the file system.
     pub fn write_trace(&self, trace: &Trace) -> Result<(), StoreError> {
-        self.write_file(&trace_name(&trace.meta.task)?, &trace.encode()?)
+        self.write_file(&trace_name(&trace.meta.task), &trace.encode()?)
     }
 
     /// Writes a planner's series of a task to `traces/<world>/<task>.debug.parquet`. It writes nothing if there are
     /// none.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`] or an error of the file system.
-    pub fn write_debug(&self, task: &str, series: &DebugSeries) -> Result<(), StoreError> {
+    /// Returns an error of the file system.
+    pub fn write_debug(&self, task: &TaskId, series: &DebugSeries) -> Result<(), StoreError> {
         if series.is_empty() {
             return Ok(());
         }
-        self.write_file(&debug_name(task)?, &series.encode()?)
+        self.write_file(&debug_name(task), &series.encode()?)
     }
 
     /// Writes a file below the run directory, its checksum first.
     fn write_file(&self, name: &str, bytes: &[u8]) -> Result<(), StoreError> {
         let path = self.dir.join(name);
         self.make_parent(&path)?;
-        self.checksums.lock().unwrap_or_else(PoisonError::into_inner).add(name, bytes)?;
+        lock(&self.checksums).add(name, bytes)?;
         write_atomic(&path, bytes)
     }
 
@@ -211,7 +212,7 @@ impl RunStore {
     ///
     /// # Errors
     /// Returns an error of the file system.
-    pub fn finish_whole<T: Serialize>(self, tasks: &[String], summary: &T) -> Result<(), StoreError> {
+    pub fn finish_whole<T: Serialize>(self, tasks: &[TaskId], summary: &T) -> Result<(), StoreError> {
         let mut lines = BTreeMap::new();
         each_task(&self.dir, |key: Key, line| {
             lines.insert(key.task, line.to_vec());
@@ -221,7 +222,7 @@ impl RunStore {
         if let Some(sums) = Checksums::read(&self.dir)? {
             write_atomic(
                 &self.dir.join(CHECKSUMS),
-                sums.text(names(tasks)?.iter().map(String::as_str)).as_bytes(),
+                sums.text(names(tasks).iter().map(String::as_str)).as_bytes(),
             )?;
         }
         write_atomic(&self.dir.join(TASKS), &text)?;
@@ -293,9 +294,9 @@ impl RunReader {
     /// Tells whether the run has a trace of this task.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`], and [`StoreError::Damaged`] if the trace was written and is lost.
-    pub fn has_trace(&self, task: &str) -> Result<bool, StoreError> {
-        Ok(self.header.trace != TraceMode::None && self.is_there(&trace_name(task)?)?)
+    /// Returns [`StoreError::Damaged`] if the trace was written and is lost.
+    pub fn has_trace(&self, task: &TaskId) -> Result<bool, StoreError> {
+        Ok(self.header.trace != TraceMode::None && self.is_there(&trace_name(task))?)
     }
 
     /// Whether a file of the run is there, which must be if it has a checksum.
@@ -313,17 +314,17 @@ impl RunReader {
     /// The trajectory of a task.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`], or an error of [`Trace::read`].
-    pub fn trace(&self, task: &str) -> Result<Trace, StoreError> {
-        Trace::read(&self.checked(&trace_name(task)?)?)
+    /// Returns an error of [`Trace::read`].
+    pub fn trace(&self, task: &TaskId) -> Result<Trace, StoreError> {
+        Trace::read(&self.checked(&trace_name(task))?)
     }
 
     /// The series that the planner sent in a task, in the order of time; empty if it sent none.
     ///
     /// # Errors
-    /// Returns [`StoreError::TaskName`], or an error of [`DebugSeries::read`].
-    pub fn debug(&self, task: &str) -> Result<Vec<DebugEntry>, StoreError> {
-        let name = debug_name(task)?;
+    /// Returns an error of [`DebugSeries::read`].
+    pub fn debug(&self, task: &TaskId) -> Result<Vec<DebugEntry>, StoreError> {
+        let name = debug_name(task);
         if self.is_there(&name)? { DebugSeries::read(&self.checked(&name)?) } else { Ok(Vec::new()) }
     }
 
@@ -340,40 +341,29 @@ impl RunReader {
 
 /// The names by which the files and records of a run have their checksums, in the order in which they are written if the tasks
 /// are driven one after the other.
-pub(crate) fn names(tasks: &[String]) -> Result<Vec<String>, StoreError> {
-    let mut names = vec![HEADER.to_owned()];
-    for task in tasks {
-        names.extend([trace_name(task)?, debug_name(task)?, record_name(task)]);
-    }
-    Ok(names)
+pub(crate) fn names(tasks: &[TaskId]) -> Vec<String> {
+    let of = |task| [trace_name(task), debug_name(task), record_name(task)];
+    std::iter::once(HEADER.to_owned()).chain(tasks.iter().flat_map(of)).collect()
 }
 
 /// Where a task's trace lies in a run.
-pub(crate) fn trace_name(task: &str) -> Result<String, StoreError> {
-    let (world, name) = split_task(task)?;
-    Ok(format!("{TRACES}/{world}/{name}.parquet"))
+pub(crate) fn trace_name(task: &TaskId) -> String {
+    format!("{TRACES}/{task}.parquet")
 }
 
 /// Where a task's debug series lie in a run.
-pub(crate) fn debug_name(task: &str) -> Result<String, StoreError> {
-    let (world, name) = split_task(task)?;
-    Ok(format!("{TRACES}/{world}/{name}.debug.parquet"))
-}
-
-/// `WORLD/TASK` in two, if both are safe as file names on every system.
-fn split_task(task: &str) -> Result<(&str, &str), StoreError> {
-    let safe = |s: &str| {
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        !s.is_empty() && s.len() <= 100 && !s.starts_with('.') && s.chars().all(plain)
-    };
-    task.split_once('/')
-        .filter(|(world, name)| safe(world) && safe(name))
-        .ok_or_else(|| StoreError::TaskName(task.to_owned()))
+pub(crate) fn debug_name(task: &TaskId) -> String {
+    format!("{TRACES}/{task}.debug.parquet")
 }
 
 /// Whether a process that was killed before it wrote run.json may have left a file of this name.
 fn is_begun(name: &str) -> bool {
     name == CHECKSUMS || is_temporary(name)
+}
+
+/// Writes a file as a whole or not at all.
+pub(crate) fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    vb_files::write(path, bytes).map_err(StoreError::io("write", path))
 }
 
 /// A document as it is written.
@@ -393,7 +383,7 @@ fn adopt(dir: &Path, len: u64, checksums: &mut ChecksumWriter) -> Result<(), Sto
     for line in records[..len as usize].split(|b| *b == b'\n').filter(|line| !line.is_empty()) {
         let key: Key = serde_json::from_slice(line)
             .map_err(|e| StoreError::Encode { what: "a task record", detail: e.to_string() })?;
-        for name in [trace_name(&key.task)?, debug_name(&key.task)?] {
+        for name in [trace_name(&key.task), debug_name(&key.task)] {
             let path = dir.join(&name);
             if path.exists() {
                 checksums.add(&name, &read(&path)?)?;
@@ -437,9 +427,15 @@ fn read_header(dir: &Path) -> Result<RunHeader, StoreError> {
     }
 }
 
-#[derive(serde::Deserialize)]
+#[derive(Deserialize)]
 struct Key {
-    task: String,
+    #[serde(deserialize_with = "task")]
+    task: TaskId,
+}
+
+/// Reads the task of a record; the message of an error names the field.
+fn task<'de, D: Deserializer<'de>>(from: D) -> Result<TaskId, D::Error> {
+    TaskId::deserialize(from).map_err(|e| D::Error::custom(format!("task: {e}")))
 }
 
 /// The records in tasks.jsonl and the length of their lines.
@@ -499,10 +495,10 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T, &[u8])) ->
                 known.check(path, &name, line.strip_suffix(b"\n").unwrap_or(&line))?;
             }
         }
-        if seen.contains(key.task.as_str()) {
+        if seen.contains(&key.task) {
             return Err(damaged(format!("task {} is there twice", key.task)));
         }
-        seen.insert(key.task.into_boxed_str());
+        seen.insert(key.task);
         take(record, &line);
         len += line.len() as u64;
     }

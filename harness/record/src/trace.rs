@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use vb_world::TaskId;
 
 use crate::bounded::ParquetBounds;
 use crate::parquet_io::{Column, Table, damaged, encode};
@@ -62,7 +63,7 @@ pub struct TraceMeta {
     /// The version of the layout, [`TRACE_SCHEMA`].
     pub schema: u32,
     /// The name of the task, e.g. `w001/t03`.
-    pub task: String,
+    pub task: TaskId,
     /// The start pose: x (m), y (m), yaw (rad, counter-clockwise from east).
     pub start: [f64; 3],
     /// The goal (x, y), m.
@@ -243,7 +244,7 @@ mod tests {
     pub(crate) fn meta(mode: TraceMode) -> TraceMeta {
         TraceMeta {
             schema: TRACE_SCHEMA,
-            task: "w001/t03".into(),
+            task: "w001/t03".parse().unwrap(),
             start: [-60.0, 0.1, 0.3],
             goal: [60.0, -0.1],
             goal_z: 1.0 / 3.0,

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::json;
 use vb_page::Page;
+use vb_world::TaskId;
 
 use crate::Replay;
 
@@ -32,8 +33,8 @@ impl Links {
     /// The links of each of a report's replays, which lie at `replays/WORLD/TASK.html` beside it. `report` is the name of the
     /// report's file; `tasks` are the tasks that have a replay, in their order.
     #[must_use]
-    pub fn of_report(report: &str, tasks: &[String]) -> Vec<Self> {
-        let link = |task: &String| Link { name: task.clone(), href: format!("../{task}.html") };
+    pub fn of_report(report: &str, tasks: &[TaskId]) -> Vec<Self> {
+        let link = |task: &TaskId| Link { name: task.to_string(), href: format!("../{task}.html") };
         let links = tasks.iter().enumerate().map(|(k, task)| Self {
             report: Some(Link { name: "report".into(), href: format!("../../{report}#task={task}") }),
             previous: k.checked_sub(1).and_then(|k| tasks.get(k)).map(link),
@@ -63,7 +64,7 @@ pub fn page(replay: &Replay, links: &Links, script_at: Option<&str>) -> String {
     let mut data = replay.json();
     data["links"] = json!(links);
     Page {
-        title: &format!("{}/{} on {}", replay.world.id, replay.task.id, replay.suite),
+        title: &format!("{} on {}", replay.id(), replay.suite),
         styles: &[STYLE],
         body: &match script_at {
             Some(_) => format!("{ALONE}{BODY}"),

@@ -7,7 +7,7 @@ use rapier3d_f64::parry;
 use serde_json::{Value, json};
 use vb_score::{Rules, TaskRecord};
 use vb_vehicle::{GRAVITY, VehicleSpec};
-use vb_world::{ObstacleKind, SoilLevel, Task, TerrainClass, World};
+use vb_world::{ObstacleKind, SoilLevel, Task, TaskId, TerrainClass, World};
 
 use crate::debug::PlannerSeries;
 use crate::facts::facts;
@@ -137,6 +137,12 @@ pub(crate) fn ground(world: &World) -> (usize, usize, [f64; 2], Vec<f64>) {
 }
 
 impl Replay {
+    /// The name of the task in its suite.
+    #[must_use]
+    pub fn id(&self) -> TaskId {
+        self.world.task_id(&self.task)
+    }
+
     /// Everything as JSON for the page's script.
     pub(crate) fn json(&self) -> Value {
         let world = &self.world;
@@ -157,7 +163,7 @@ impl Replay {
         let bodies = |trunk: bool| meshes(obstacles.iter().filter(|o| o.0 == trunk).map(|o| &o.1), length);
         json!({
             "suite": self.suite,
-            "task": format!("{}/{}", world.id, task.id),
+            "task": self.id(),
             "labels": [world.elevation.name(), world.terrain.name(), world.density.name()],
             "scale": world.scale,
             "ground": {

@@ -87,7 +87,7 @@ impl Drive {
         let trace = recorder
             .finish(TraceMeta {
                 schema: TRACE_SCHEMA,
-                task: "w001/t00".into(),
+                task: "w001/t00".parse().unwrap(),
                 start: [start.x, start.y, start.yaw],
                 goal: task.goal,
                 goal_z: 0.0,
@@ -175,7 +175,7 @@ impl Drive {
 
     fn replay(&self, label: &str) -> Replay {
         let record = TaskRecord {
-            task: "w001/t00".into(),
+            task: "w001/t00".parse().unwrap(),
             world: "w001".into(),
             elevation: self.world.elevation,
             terrain: self.world.terrain,
@@ -309,7 +309,7 @@ fn a_page_says_with_what_was_driven_and_by_which_rule_it_ended() {
 
 #[test]
 fn replays_of_a_report_are_linked_in_their_order() {
-    let tasks = ["w001/t00", "w001/t07", "w002/t01"].map(String::from);
+    let tasks = ["w001/t00", "w001/t07", "w002/t01"].map(|t| t.parse().unwrap());
     let links = Links::of_report("index.html", &tasks);
     let link = |name: &str, href: &str| Some(Link { name: name.into(), href: href.into() });
     // As a browser takes them at replays/w001/t07.html.

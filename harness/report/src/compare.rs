@@ -75,8 +75,8 @@ impl Comparison {
 fn common<'a>(a: &'a Run, b: &'a Run) -> impl Iterator<Item = (&'a Row, &'a Row)> {
     let mut others = b.rows.iter().peekable();
     a.rows.iter().filter_map(move |row| {
-        while others.next_if(|o| o.task < row.task).is_some() {}
-        others.next_if(|o| o.task == row.task).map(|o| (row, o)).filter(|(r, o)| r.counts() && o.counts())
+        while others.next_if(|o| o.key() < row.key()).is_some() {}
+        others.next_if(|o| o.key() == row.key()).map(|o| (row, o)).filter(|(r, o)| r.counts() && o.counts())
     })
 }
 
@@ -149,10 +149,10 @@ fn common_costs(runs: &Runs) -> Vec<Vec<Option<f64>>> {
             .iter()
             .zip(&mut at)
             .map(|(run, k)| {
-                while run.rows.get(*k).is_some_and(|r| r.task < row.task) {
+                while run.rows.get(*k).is_some_and(|r| r.key() < row.key()) {
                     *k += 1;
                 }
-                run.rows.get(*k).filter(|r| r.task == row.task && r.counts())
+                run.rows.get(*k).filter(|r| r.key() == row.key() && r.counts())
             })
             .collect();
         if let Some(found) = found {

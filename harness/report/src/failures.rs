@@ -40,8 +40,7 @@ impl Failure {
 
     pub(crate) fn outcome(self) -> Outcome {
         match self {
-            Self::Cause(cause) if cause.name().starts_with("rollover") => Outcome::Rollover,
-            Self::Cause(_) => Outcome::Stuck,
+            Self::Cause(cause) => cause.outcome(),
             Self::Unsaid(outcome) | Self::Outcome(outcome) => outcome,
         }
     }

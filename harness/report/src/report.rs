@@ -9,12 +9,13 @@ use crate::ranking::Ranking;
 use crate::robustness::Robustness;
 use crate::runs::{Run, Runs, one_line};
 use vb_score::Conditions;
+use vb_world::TaskId;
 
 /// What lies beside a page, which leads to it.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
     /// The tasks of which there is a replay, `replays/WORLD/TASK.html`.
-    pub replays: BTreeSet<String>,
+    pub replays: BTreeSet<TaskId>,
     /// The worlds of which there is a map, `maps/WORLD.html`.
     pub maps: BTreeSet<String>,
     /// The names of further files.

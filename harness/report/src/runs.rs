@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub use vb_files::cut_line as one_line;
 use vb_record::{RunHeader, RunReader};
 use vb_score::{Cause, Conditions, Flag, FuelUse, Metrics, Outcome, Ride, TaskRecord};
-use vb_world::{Density, Elevation, Terrain};
+use vb_world::{Density, Elevation, TaskId, Terrain};
 
 use crate::ReportError;
 
@@ -20,7 +21,9 @@ const NOTE_LENGTH: usize = 400;
 /// that the rows of a million tasks fit into memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    pub task: Box<str>,
+    pub task: TaskId,
+    /// The seed of its run where runs with several seeds are one; otherwise empty.
+    pub seed: Box<str>,
     /// Its world, an index into [`Runs::worlds`].
     pub world: u32,
     pub outcome: Outcome,
@@ -43,6 +46,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// The task with its seed, by which rows are in order.
+    pub(crate) fn key(&self) -> (&TaskId, &str) {
+        (&self.task, &self.seed)
+    }
+
     /// Whether the goal was reached in time.
     #[must_use]
     pub fn succeeded(&self) -> bool {
@@ -258,7 +266,7 @@ impl Runs {
         let mut pooled: Vec<Run> = Vec::new();
         for (mut run, planner) in self.runs.into_iter().zip(planners) {
             for row in &mut run.rows {
-                row.task = format!("{} {}", row.task, run.header.seed).into_boxed_str();
+                row.seed = run.header.seed.to_string().into_boxed_str();
             }
             match pooled.iter_mut().find(|known| known.label == *planner) {
                 Some(known) => known.rows.append(&mut run.rows),
@@ -269,7 +277,7 @@ impl Runs {
             }
         }
         for run in &mut pooled {
-            run.rows.sort_by(|a, b| a.task.cmp(&b.task));
+            run.rows.sort_by(|a, b| a.key().cmp(&b.key()));
         }
         Self { runs: pooled, worlds: self.worlds }
     }
@@ -354,7 +362,8 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
         None => one_line(&r.explanation(), NOTE_LENGTH),
     };
     Row {
-        task: r.task.clone().into_boxed_str(),
+        task: r.task.clone(),
+        seed: Box::default(),
         world,
         outcome: r.outcome,
         cause: r.cause,
@@ -365,21 +374,6 @@ fn row(r: &TaskRecord, world: u32, with_note: bool) -> Row {
         fuel: r.fuel,
         clamped: r.clamped,
         note: note.into_boxed_str(),
-    }
-}
-
-/// Foreign text on one line, without control characters (also those that turn the direction of writing), cut to `most`
-/// characters.
-#[must_use]
-pub fn one_line(text: &str, most: usize) -> String {
-    let odd = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    let line = text.split(odd).map(str::trim).filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(most) {
-        Some((end, _)) => format!("{}…", &line[..end]),
-        None => line,
     }
 }
 

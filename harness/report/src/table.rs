@@ -39,7 +39,7 @@ fn cells<'a>(run: &'a str, r: &'a TaskRecord) -> Row<'a> {
     };
     let cells = vec![
         ("run", text(run)),
-        ("task", text(&r.task)),
+        ("task", text(r.task.as_str())),
         ("world", text(&r.world)),
         ("elevation", text(r.elevation.name())),
         ("terrain", text(r.terrain.name())),

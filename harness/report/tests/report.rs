@@ -19,7 +19,7 @@ use vb_record::{
 };
 use vb_report::{Beside, MapLinks, Measure, Report, ReportError, Runs, Verdict, write_csv, write_parquet};
 use vb_score::{Cause, Outcome, Rules, Summary, TaskRecord};
-use vb_world::{Elevation, Heightfield, Pose2, Task, TerrainClass, World};
+use vb_world::{Elevation, Heightfield, Pose2, Task, TaskId, TerrainClass, World};
 
 #[test]
 fn figures_agree_with_those_of_the_summary() {
@@ -91,10 +91,10 @@ fn causes_are_counted_and_lead_to_their_tasks() {
 }
 
 /// A trace along x from the start of a task to so far.
-fn trace(task: &str, end: f64) -> Trace {
+fn trace(task: &TaskId, end: f64) -> Trace {
     let meta = TraceMeta {
         schema: TRACE_SCHEMA,
-        task: task.into(),
+        task: task.clone(),
         start: [0.0, 0.0, 0.0],
         goal: [20.0, 0.0],
         goal_z: 0.0,
@@ -148,7 +148,7 @@ fn a_map_has_the_way_of_each_run_and_where_it_ended() {
         above: vec![("<b>", "../../index.html")],
         report: "../index.html",
         next: Some("w007"),
-        replays: ["w000/t00".to_owned()].into(),
+        replays: ["w000/t00".parse().unwrap()].into(),
         ..MapLinks::default()
     };
     let report = Report::new(runs);
@@ -592,7 +592,7 @@ fn the_page_of_very_many_tasks_stays_small() {
     let mut file = std::io::BufWriter::new(fs::File::create(run.join("tasks.jsonl")).unwrap());
     for k in 0..60_000 {
         let mut r = record(k / 10, k % 10, k % 4 != 0);
-        r.task = format!("w{:05}/t{}", k / 10, k % 10);
+        r.task = format!("w{:05}/t{}", k / 10, k % 10).parse().unwrap();
         r.world = format!("w{:05}", k / 10);
         r.reason = "x".repeat(2000);
         serde_json::to_writer(&mut file, &r).unwrap();

@@ -3,7 +3,7 @@
 use vb_host::ParamError;
 use vb_record::StoreError;
 use vb_trial::TrialError;
-use vb_world::SuiteError;
+use vb_world::{SuiteError, TaskId};
 
 /// An error of a run. What planners do wrong is not such an error but a task's outcome.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +45,7 @@ pub enum RunError {
         /// The run directory.
         dir: std::path::PathBuf,
         /// The name of the task.
-        task: String,
+        task: TaskId,
     },
     /// There are no tasks to run.
     #[error("no task is chosen")]

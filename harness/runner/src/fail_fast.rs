@@ -113,7 +113,7 @@ mod tests {
 
     fn failed(fault: FaultCode, planner_steps: u64) -> TaskRecord {
         TaskRecord {
-            task: "w/t".into(),
+            task: "w/t".parse().unwrap(),
             world: "w".into(),
             elevation: Elevation::Low,
             terrain: Terrain::Rigid,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use vb_record::{RunHeader, RunJoiner, RunReader, StoreError, TraceMode};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
-use vb_world::{Selector, SelectorError, Suite};
+use vb_world::{Selector, SelectorError, Suite, TaskId};
 
 /// An error of a merge. Nothing was written then.
 #[derive(Debug, thiserror::Error)]
@@ -66,7 +66,7 @@ pub enum MergeError {
     )]
     Conflict {
         /// The task.
-        task: String,
+        task: TaskId,
         /// The runs.
         paths: [PathBuf; 2],
     },
@@ -74,7 +74,7 @@ pub enum MergeError {
     #[error("{}: tasks.jsonl has {task}, which is none of the run's tasks (delete its line)", .path.display())]
     Foreign {
         /// The task.
-        task: String,
+        task: TaskId,
         /// The run.
         path: PathBuf,
     },
@@ -86,11 +86,11 @@ pub struct Merged {
     /// The summary of the tasks that are done.
     pub summary: Summary,
     /// The tasks that no shard has done, in the order of the suite. Those that the harness or the machine failed count among them.
-    pub missing: Vec<String>,
+    pub missing: Vec<TaskId>,
     /// The tasks that several shards have done, all with the same record.
-    pub twice: Vec<String>,
+    pub twice: Vec<TaskId>,
     /// The tasks of which the run would have a trace, but the shard has none, and no checksums that tell of it.
-    pub untraced: Vec<String>,
+    pub untraced: Vec<TaskId>,
 }
 
 /// The runs in a folder: itself if it is one, or the shards in it, in order.
@@ -131,11 +131,11 @@ pub fn merge(shards: &[PathBuf], suite: &Suite, out: &Path) -> Result<Merged, Me
         return Err(MergeError::OtherSuite { suite, found, recorded: header.suite.hash });
     }
     let selector = header.selector.as_deref().map_or_else(|| Ok(Selector::default()), Selector::parse)?;
-    let tasks: Vec<String> = selector.select(suite)?.iter().map(ToString::to_string).collect();
+    let tasks = selector.select(suite)?;
     let rules = Rules::recorded(&header)
         .map_err(|e| MergeError::Rules { path: runs[0].dir().to_owned(), problem: e.to_string() })?;
 
-    let mut done: BTreeMap<String, Done> = tasks.iter().map(|t| (t.clone(), Done::default())).collect();
+    let mut done: BTreeMap<TaskId, Done> = tasks.iter().map(|t| (t.clone(), Done::default())).collect();
     for run in &runs {
         let mut flaw = None;
         run.each_line(|record: TaskRecord, line| {
@@ -179,7 +179,7 @@ struct Done<'a> {
 }
 
 fn take<'a>(
-    done: &mut BTreeMap<String, Done<'a>>,
+    done: &mut BTreeMap<TaskId, Done<'a>>,
     record: TaskRecord,
     line: &[u8],
     run: &'a RunReader,

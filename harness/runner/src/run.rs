@@ -1,11 +1,12 @@
 //! A run: many trials on worker threads, each recorded as it ends.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
+use vb_files::lock;
 use vb_host::{Metadata, Plugin};
 use vb_record::{
     DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SandboxHeader,
@@ -14,9 +15,9 @@ use vb_record::{
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_sense::Profile;
 use vb_sim::{SAMPLE_PERIOD, SimOptions, Soils};
-use vb_trial::{Keep, Place, Setting, TrialError, TrialResult, Wants};
+use vb_trial::{Cache, Keep, Place, Setting, TrialError, TrialResult, Wants};
 use vb_vehicle::Vehicle;
-use vb_world::{Suite, SuiteError, TaskRef};
+use vb_world::{Suite, SuiteError, TaskId};
 
 use crate::fail_fast::{FailFast, FailedStart};
 use crate::{PluginDriver, RunError, wants};
@@ -27,7 +28,7 @@ pub struct RunConfig {
     /// The suite of the tasks.
     pub suite: Suite,
     /// The tasks to run, in this order.
-    pub tasks: Vec<TaskRef>,
+    pub tasks: Vec<TaskId>,
     /// The selector that chose the tasks, for the record.
     pub selector: Option<String>,
     /// Which shard of a larger run the tasks are, if they are one.
@@ -86,7 +87,7 @@ pub enum Event {
     /// A worker has taken a task.
     TaskStarted {
         /// The name of the task.
-        task: String,
+        task: TaskId,
     },
     /// A task is done and its record is on disk.
     TaskEnded(Box<TaskRecord>),
@@ -129,21 +130,20 @@ pub fn run(
         (RunStore::create(&config.out, &header)?, Vec::new())
     };
     // It would count as done, and its figures would be in the summary.
-    let chosen: BTreeSet<String> = config.tasks.iter().map(ToString::to_string).collect();
+    let chosen: BTreeSet<&TaskId> = config.tasks.iter().collect();
     if let Some(foreign) = records.iter().find(|r| !chosen.contains(&r.task)) {
         return Err(RunError::ForeignTask { dir: config.out.clone(), task: foreign.task.clone() });
     }
     on_event(Event::Started { total: config.tasks.len(), resumed: records.clone() });
-    let done: BTreeSet<&str> = records.iter().map(|r| r.task.as_str()).collect();
-    let is_open = |t: &&TaskRef| !done.contains(t.to_string().as_str());
-    let open: Vec<TaskRef> = config.tasks.iter().filter(is_open).cloned().collect();
+    let done: BTreeSet<&TaskId> = records.iter().map(|r| &r.task).collect();
+    let open: Vec<TaskId> = config.tasks.iter().filter(|t| !done.contains(t)).cloned().collect();
 
     let work = Arc::new(Work {
         config: config.clone(),
         prepared,
         open,
         next: AtomicUsize::new(0),
-        places: Mutex::new(VecDeque::new()),
+        places: Cache::new(config.jobs),
         stop: AtomicBool::new(false),
         fail_fast: Mutex::default(),
         cancel: AtomicBool::new(false),
@@ -202,12 +202,11 @@ pub fn run(
     }
     let summary = Summary::new(&header, &config.rules, &records, Vec::new());
     if records.len() == config.tasks.len() {
-        let tasks: Vec<String> = config.tasks.iter().map(ToString::to_string).collect();
-        store.finish_whole(&tasks, &summary)?;
+        store.finish_whole(&config.tasks, &summary)?;
     } else {
         store.finish(&summary)?;
     }
-    let mut fail_fast = work.fail_fast.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut fail_fast = lock(&work.fail_fast);
     let failed_start = std::mem::take(&mut *fail_fast).found();
     let interrupted = failed_start.is_none() && records.len() < config.tasks.len();
     Ok(RunReport { summary, interrupted, failed_start })
@@ -239,7 +238,7 @@ pub fn check(config: &RunConfig) -> Result<(), RunError> {
 fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
     let prepared = setting(config)?;
     // A damaged world must not be found after hours.
-    let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world.as_str()).collect();
+    let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world()).collect();
     for world in worlds {
         config.suite.verify_world(world)?;
     }
@@ -332,7 +331,8 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
         rules: RulesHeader {
             name: config.rules.name.clone(),
             hash: config.rules.hash(),
-            profile: serde_json::to_value(&config.rules).unwrap_or_default(),
+            profile: serde_json::to_value(&config.rules)
+                .expect("rules have text keys and finite numbers only"),
         },
         limits: limits.named().into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
         trace: config.trace,
@@ -341,7 +341,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
 }
 
 enum Message {
-    Started(String),
+    Started(TaskId),
     Ended(Box<TrialResult>),
     Failed(RunError),
 }
@@ -350,10 +350,10 @@ enum Message {
 struct Work {
     config: RunConfig,
     prepared: Prepared,
-    open: Vec<TaskRef>,
+    open: Vec<TaskId>,
     next: AtomicUsize,
-    /// The worlds in use, latest last. Tasks come in the suite's order, so few are needed at a time.
-    places: Mutex<VecDeque<Place>>,
+    /// The worlds in use. Tasks come in the suite's order, so few are needed at a time.
+    places: Cache<Place>,
     /// Set after an error, or if all of the first tasks fail: start nothing more.
     stop: AtomicBool,
     fail_fast: Mutex<FailFast>,
@@ -365,9 +365,8 @@ impl Work {
         while !self.stop.load(Ordering::Relaxed) && !self.cancel.load(Ordering::Relaxed) {
             let place = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(task) = self.open.get(place) else { return };
-            let name = task.to_string();
             // The receiver outlives the workers; if it is gone, so is the run.
-            if sender.send(Message::Started(name)).is_err() {
+            if sender.send(Message::Started(task.clone())).is_err() {
                 return;
             }
             let message = match self.trial(task) {
@@ -390,15 +389,15 @@ impl Work {
         if self.config.keep_going {
             return;
         }
-        let mut fail_fast = self.fail_fast.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut fail_fast = lock(&self.fail_fast);
         if fail_fast.ended(place, record) {
             self.stop.store(true, Ordering::Relaxed);
         }
     }
 
-    fn trial(&self, task: &TaskRef) -> Result<Option<TrialResult>, RunError> {
-        let place = self.place(&task.world)?;
-        let Some(task) = place.world.task(&task.task) else {
+    fn trial(&self, task: &TaskId) -> Result<Option<TrialResult>, RunError> {
+        let place = self.place(task.world())?;
+        let Some(task) = place.world.task(task.task()) else {
             return Ok(None);
         };
         let Prepared { setting, wants } = &self.prepared;
@@ -408,16 +407,6 @@ impl Work {
     }
 
     fn place(&self, id: &str) -> Result<Place, SuiteError> {
-        // Held while loading, so that two workers don't load the same world. A poisoned lock holds whole worlds.
-        let mut places = self.places.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(place) = places.iter().find(|p| p.world.id == id) {
-            return Ok(place.clone());
-        }
-        let place = Place::load(&self.config.suite, id, self.config.scale)?;
-        places.push_back(place.clone());
-        if places.len() > self.config.jobs.max(1) {
-            places.pop_front();
-        }
-        Ok(place)
+        self.places.get(id, || Place::load(&self.config.suite, id, self.config.scale))
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use vb_sdk::fault::FaultCode;
 
 use crate::measures::{MOST, measures, outside};
-use vb_world::{Density, Elevation, Terrain};
+use vb_world::{Density, Elevation, TaskId, Terrain};
 
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
@@ -98,7 +98,7 @@ impl FuelUse {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TaskRecord {
     /// The name of the task in the suite, e.g. `w001/t03`.
-    pub task: String,
+    pub task: TaskId,
     /// The name of the task's world.
     pub world: String,
     /// The elevation level of the world.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use vb_record::RunHeader;
-use vb_world::{Density, Elevation, Terrain};
+use vb_world::{Density, Elevation, TaskId, Terrain};
 
 use crate::stats::{Ratio, Running, success_interval};
 use crate::{Cause, Conditions, Flag, FuelUse, Outcome, Pooled, Ride, Rules, TaskRecord, ThreeWay};
@@ -49,10 +49,10 @@ pub struct Summary {
     /// The number of tasks that were to be run.
     pub planned: u64,
     /// The tasks whose trace ends before the rules can decide. They are in none of the figures below.
-    pub undecided: Vec<String>,
+    pub undecided: Vec<TaskId>,
     /// The tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
     /// below; `--resume` runs them again.
-    pub host_errors: Vec<String>,
+    pub host_errors: Vec<TaskId>,
     /// The figures over all tasks; `None` if there are none.
     pub all: Option<Group>,
     /// The figures by elevation level.
@@ -109,7 +109,7 @@ impl Summary {
         header: &RunHeader,
         rules: &Rules,
         records: &[TaskRecord],
-        mut undecided: Vec<String>,
+        mut undecided: Vec<TaskId>,
     ) -> Self {
         // Sums of floats depend on their order, so there is one: that of the tasks' names.
         let mut sorted: Vec<&TaskRecord> = records.iter().collect();

@@ -5,20 +5,19 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use vb_host::{Plugin, PluginKind};
-use vb_record::{RUN_SCHEMA, RunHeader, TraceMode};
+use vb_record::{RUN_SCHEMA, RunHeader, TraceMode, differences};
 use vb_score::{Outcome, Summary, TaskRecord};
 use vb_sense::Profile;
 use vb_sim::{SAMPLE_PERIOD, Soils};
 use vb_vehicle::Vehicle;
-use vb_world::{Selector, Suite, WorldInfo};
+use vb_world::{Selector, Suite, TaskId, WorldInfo};
 
 use crate::SubmissionError;
-use crate::compare::differences;
 use crate::division::{Shipped, division, open_reasons};
 use crate::files::{self, DOCUMENT, HOLDOUT, MANIFEST, PAGE, REPORT, RUN, SMALL, VERDICT};
 use crate::make::{REPLAYS, published, report, slim, trace_files};
 use crate::manifest::{Manifest, SUBMISSION_SCHEMA, TaskEntry};
-use crate::verdict::{Finding, Findings};
+use crate::verdict::{DIFFERENCES, Finding, Findings};
 
 /// Of a document that says the same, but in other bytes.
 const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
@@ -150,7 +149,7 @@ impl Submission {
 pub(crate) fn check(
     submission: &Submission,
     expected: &Expected<'_>,
-) -> Result<(Findings, Vec<String>), SubmissionError> {
+) -> Result<(Findings, Vec<TaskId>), SubmissionError> {
     let m = &submission.manifest;
     let mut found = submission.check_files()?;
     // What is missing can't be read, and what is too large isn't.
@@ -169,10 +168,9 @@ pub(crate) fn check(
     match &rules {
         Err(e) => found.push(Finding::new("rules", "run.rules", e)),
         Ok(rules) => {
-            let profile = serde_json::to_value(rules).unwrap_or_default();
             same(&mut found, "rules", "run.rules.hash", &m.run.rules.hash, &rules.hash());
             same(&mut found, "rules", "run.rules.name", &m.run.rules.name, &rules.name);
-            for d in differences(&m.run.rules.profile, &profile) {
+            for d in differences(&m.run.rules.profile, rules, DIFFERENCES) {
                 let text = format!("{}, not {}", d.a, d.b);
                 found.push(Finding::new("rules", format!("run.rules.profile.{}", d.path), text));
             }
@@ -218,7 +216,7 @@ fn check_run(submission: &Submission, found: &mut Findings) -> Result<(), Submis
     match serde_json::from_slice::<RunHeader>(&bytes) {
         Err(e) => found.push(Finding::new("run", format!("{RUN}/run.json"), e)),
         Ok(header) => {
-            let differ = differences(&header, &m.run);
+            let differ = differences(&header, &m.run, DIFFERENCES);
             for d in &differ {
                 found.push(Finding::new(
                     "run",
@@ -318,10 +316,10 @@ fn check_tasks(
 ) -> Result<Vec<TaskRecord>, SubmissionError> {
     let m = &submission.manifest;
     let worlds: BTreeMap<&str, &WorldInfo> = suite.worlds().iter().map(|w| (w.id.as_str(), w)).collect();
-    let mut wanted: BTreeSet<String> = match &m.run.selector {
-        None => suite.worlds().iter().flat_map(|w| w.tasks.iter().map(|t| format!("{}/{t}", w.id))).collect(),
+    let mut wanted: BTreeSet<TaskId> = match &m.run.selector {
+        None => suite.worlds().iter().flat_map(WorldInfo::task_ids).collect(),
         Some(text) => match Selector::parse(text).and_then(|s| s.select(suite)) {
-            Ok(tasks) => tasks.iter().map(ToString::to_string).collect(),
+            Ok(tasks) => tasks.into_iter().collect(),
             Err(e) => {
                 found.push(Finding::new("tasks", format!("{MANIFEST}: run.selector"), e));
                 BTreeSet::new()
@@ -358,8 +356,7 @@ fn check_tasks(
             note(place, "is no task of the run".into());
             return Ok(ControlFlow::Continue(()));
         }
-        let world = record.task.split('/').next().unwrap_or_default();
-        if let Some(w) = worlds.get(world) {
+        if let Some(w) = worlds.get(record.task.world()) {
             let labels = (w.id.as_str(), w.elevation, w.terrain, w.density);
             if (record.world.as_str(), record.elevation, record.terrain, record.density) != labels {
                 note(place.clone(), "its world or labels are not those of the suite".into());
@@ -374,7 +371,7 @@ fn check_tasks(
         let entry = TaskEntry::from(&record);
         match m.tasks.get(&record.task) {
             Some(stated) => {
-                for d in differences(stated, &entry) {
+                for d in differences(stated, &entry, DIFFERENCES) {
                     note(
                         format!("{MANIFEST}: tasks.{}.{}", record.task, d.path),
                         format!("is {}, the record has {}", d.a, d.b),
@@ -396,7 +393,7 @@ fn check_tasks(
         let text = format!("are {}, not {REPLAYS} at most", m.replays.len());
         found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
     }
-    let mut last: Option<&String> = None;
+    let mut last: Option<&TaskId> = None;
     for task in &m.replays {
         if !seen.contains(task) || last.is_some_and(|l| l >= task) {
             found.push_with(|| {
@@ -414,7 +411,7 @@ fn check_summary(
     summary: &Summary,
     found: &mut Findings,
 ) -> Result<(), SubmissionError> {
-    for d in differences(&submission.manifest.results, &summary.all) {
+    for d in differences(&submission.manifest.results, &summary.all, DIFFERENCES) {
         let text = format!("is {}, the records give {}", d.a, d.b);
         found.push(Finding::new("summary", format!("{MANIFEST}: results.{}", d.path), text));
     }
@@ -433,7 +430,7 @@ fn check_summary(
     match serde_json::from_slice::<serde_json::Value>(&bytes) {
         Err(e) => found.push(Finding::new("summary", place, e)),
         Ok(stated) => {
-            let differ = differences(&stated, summary);
+            let differ = differences(&stated, summary, DIFFERENCES);
             for d in &differ {
                 let text = format!("is {}, the records give {}", d.a, d.b);
                 found.push(Finding::new("summary", format!("{place}: {}", d.path), text));
@@ -449,7 +446,7 @@ fn check_summary(
 fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Findings) {
     let reasons = open_reasons(&m.run, shipped);
     same(found, "division", "division", m.division.name(), division(&m.run, &reasons).name());
-    for d in differences(&m.open_because, &reasons) {
+    for d in differences(&m.open_because, &reasons, DIFFERENCES) {
         let text = format!("is {}, by the rules it is {}", d.a, d.b);
         found.push(Finding::new("division", format!("{MANIFEST}: open_because.{}", d.path), text));
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use vb_host::Limits;
+use vb_host::{Limits, PluginKind};
 use vb_record::RunHeader;
 use vb_score::Rules;
 use vb_sense::Profile;
@@ -108,7 +108,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     };
     let short = |hash: &str| vb_report::one_line(hash.get(..12).unwrap_or(hash), 12);
     unless(
-        run.plugin.kind == "wasm",
+        run.plugin.kind == PluginKind::Wasm.name(),
         "plugin.kind",
         format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
     );

@@ -7,6 +7,7 @@ use vb_host::LoadError;
 use vb_record::StoreError;
 use vb_report::ReportError;
 use vb_runner::RunError;
+use vb_world::TaskId;
 
 /// The reason why a submission or a site can't be made or read. If a submission tells what isn't so, this is not an
 /// error but a [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
@@ -53,12 +54,12 @@ pub enum SubmissionError {
     #[error("{field}: {problem}")]
     Entrant { field: &'static str, problem: String },
     #[error("--replays: {task}: {problem}")]
-    Replay { task: String, problem: String },
+    Replay { task: TaskId, problem: String },
     /// The machine failed while tasks were driven again: nothing is known of the submission.
     #[error(
         "the machine failed {failed} of the tasks that were driven again, {example} for one (verify it again)"
     )]
-    Machine { failed: usize, example: String },
+    Machine { failed: usize, example: TaskId },
     #[error("stopped before all tasks were driven again (verify it again)")]
     Interrupted,
     #[error("entry {}: {problem}", .dir.display())]

@@ -184,22 +184,11 @@ pub(crate) fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, Su
     Ok(bytes)
 }
 
-/// Writes a file whole: under another name first, so that nobody sees half of it.
+/// Writes a file as a whole or not at all, and makes its folder before.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), SubmissionError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let fail = SubmissionError::write;
-    fs::create_dir_all(folder).map_err(fail(folder))?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(fail(path))?;
-    std::io::Write::write_all(&mut file, bytes).map_err(fail(path))?;
-    // A temporary file is its owner's alone; a site is for everybody.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        fs::set_permissions(file.path(), fs::Permissions::from_mode(0o644)).map_err(fail(path))?;
-    }
-    file.persist(path).map_err(|e| fail(path)(e.error))?;
-    Ok(())
+    fs::create_dir_all(folder).map_err(SubmissionError::write(folder))?;
+    vb_files::write(path, bytes).map_err(SubmissionError::write(path))
 }
 
 /// A directory that is new or empty.

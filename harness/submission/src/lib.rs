@@ -9,7 +9,6 @@
 //! is executed but the plugin, by the host.
 
 mod check;
-mod compare;
 mod division;
 mod error;
 mod files;

@@ -9,7 +9,7 @@ use vb_host::{Plugin, PluginKind};
 use vb_record::{RUN_SCHEMA, RunHeader, RunReader, ShardHeader, TraceMode};
 use vb_report::{Beside, Report, Runs};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::SubmissionError;
 use crate::division::{Shipped, division, open_reasons};
@@ -31,7 +31,7 @@ pub struct Request<'a> {
     pub harness_version: &'a str,
     pub entrant: Entrant,
     /// The tasks whose traces are carried along; `None` means the first task of each outcome, four at most.
-    pub replays: Option<Vec<String>>,
+    pub replays: Option<Vec<TaskId>>,
 }
 
 /// Makes a submission of the run in `run`, in `out`, which must not exist or be empty. The manifest is written last:
@@ -90,7 +90,7 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
 
 /// Whether a run is one of this harness, plugin and suite.
 fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), SubmissionError> {
-    if request.plugin.kind() == PluginKind::Command || header.plugin.kind == "command" {
+    if request.plugin.kind() == PluginKind::Command || header.plugin.kind == PluginKind::Command.name() {
         return Err(SubmissionError::Command);
     }
     if header.schema != RUN_SCHEMA || header.harness_version != request.harness_version {
@@ -121,7 +121,7 @@ fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), Sub
 }
 
 /// The header as everybody may see it: paths are the entrant's own affair.
-pub(crate) fn published(header: &RunHeader, replays: &[String]) -> RunHeader {
+pub(crate) fn published(header: &RunHeader, replays: &[TaskId]) -> RunHeader {
     let mut header = header.clone();
     header.suite.path.clear();
     header.plugin.path.clear();
@@ -132,11 +132,11 @@ pub(crate) fn published(header: &RunHeader, replays: &[String]) -> RunHeader {
 }
 
 struct Survey {
-    replays: Vec<String>,
+    replays: Vec<TaskId>,
 }
 
 /// Checks that a submission can carry the replays of all these tasks.
-pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
+pub fn check_replays(wanted: &[TaskId]) -> Result<(), SubmissionError> {
     match wanted {
         [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {
             task: first.clone(),
@@ -150,11 +150,11 @@ pub fn check_replays(wanted: &[String]) -> Result<(), SubmissionError> {
 }
 
 /// Looks through a run: whether it is finished, and which tasks are to be shown.
-fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, SubmissionError> {
+fn survey(reader: &RunReader, wanted: Option<&[TaskId]>) -> Result<Survey, SubmissionError> {
     let header = reader.header();
     let (mut done, mut lost) = (0, None);
     let mut names = BTreeSet::new();
-    let mut first: std::collections::BTreeMap<Outcome, String> = std::collections::BTreeMap::new();
+    let mut first: std::collections::BTreeMap<Outcome, TaskId> = std::collections::BTreeMap::new();
     reader.each_record(|r: TaskRecord| {
         if r.outcome == Outcome::HostError {
             return;
@@ -185,12 +185,12 @@ fn survey(reader: &RunReader, wanted: Option<&[String]>) -> Result<Survey, Submi
         });
     }
     let Some(wanted) = wanted else {
-        let mut replays: Vec<String> = first.into_values().take(OWN_CHOICE).collect();
+        let mut replays: Vec<TaskId> = first.into_values().take(OWN_CHOICE).collect();
         replays.sort();
         return Ok(Survey { replays });
     };
     check_replays(wanted)?;
-    let fail = |task: &str, problem: String| Err(SubmissionError::Replay { task: task.to_owned(), problem });
+    let fail = |task: &TaskId, problem: String| Err(SubmissionError::Replay { task: task.clone(), problem });
     for task in wanted {
         if !names.contains(task) {
             return fail(task, "not a task of the run".into());
@@ -235,11 +235,11 @@ pub(crate) fn slim(mut record: TaskRecord) -> TaskRecord {
 }
 
 /// Names of a task's files in a run.
-pub(crate) fn trace_files(task: &str) -> [String; 2] {
+pub(crate) fn trace_files(task: &TaskId) -> [String; 2] {
     [format!("traces/{task}.parquet"), format!("traces/{task}.debug.parquet")]
 }
 
-fn copy_trace(run: &Path, own: &Path, task: &str) -> Result<(), SubmissionError> {
+fn copy_trace(run: &Path, own: &Path, task: &TaskId) -> Result<(), SubmissionError> {
     let [trace, series] = trace_files(task);
     files::write(&own.join(&trace), &files::read(&run.join(&trace), TRACE)?)?;
     // Long ones are left out: a submission stays small.

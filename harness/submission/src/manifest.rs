@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use vb_host::Limits;
 use vb_record::RunHeader;
 use vb_score::{Group, Outcome, Rules, TaskRecord};
+use vb_world::TaskId;
 
 use crate::SubmissionError;
 use crate::division::{Division, OpenReason};
@@ -109,8 +110,8 @@ pub struct Manifest {
     /// The figures over all tasks: `all` of the summary.
     pub results: Option<Group>,
     /// The tasks whose traces are carried along for replays. They are always among those that are driven again.
-    pub replays: Vec<String>,
-    pub tasks: BTreeMap<String, TaskEntry>,
+    pub replays: Vec<TaskId>,
+    pub tasks: BTreeMap<TaskId, TaskEntry>,
     /// The SHA-256 (hexadecimal) of every other file, by its name.
     pub files: BTreeMap<String, String>,
 }

@@ -7,19 +7,18 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use vb_host::{Limits, LoadError, Plugin, PluginKind};
-use vb_record::TraceMode;
+use vb_record::{TraceMode, differences};
 use vb_runner::{Event, RunConfig};
 use vb_score::{Outcome, Rules, TaskRecord};
-use vb_world::TaskRef;
+use vb_world::TaskId;
 
 use crate::SubmissionError;
 use crate::check::{Expected, Submission, check, check_plugin, too_large};
-use crate::compare::differences;
 use crate::division::{division, open_reasons};
 use crate::files::{self, MANIFEST, RUN, SERIES, TRACE};
 use crate::make::trace_files;
 use crate::sample::draw;
-use crate::verdict::{Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
+use crate::verdict::{DIFFERENCES, Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
 
 /// The choice of the tasks that are driven again, and how they are.
 #[derive(Clone, Debug)]
@@ -86,7 +85,7 @@ pub fn verify(
         check_plugin(m, plugin, expected.perception, &mut findings);
     }
     if let (true, Some(plugin), Ok(rules)) = (findings.is_empty(), &plugin, m.rules()) {
-        let sample: BTreeSet<String> = match sampling.draw {
+        let sample: BTreeSet<TaskId> = match sampling.draw {
             None => tasks.iter().cloned().collect(),
             Some((count, seed)) => draw(&tasks, count, seed, &m.replays),
         };
@@ -116,20 +115,20 @@ struct Again<'a> {
 impl Again<'_> {
     fn drive(
         &self,
-        sample: &BTreeSet<String>,
+        sample: &BTreeSet<TaskId>,
         ended: &mut dyn FnMut(usize, usize, &TaskRecord),
         cancel: &AtomicBool,
     ) -> Result<Findings, SubmissionError> {
         let scratch = tempfile::tempdir().map_err(SubmissionError::write(&std::env::temp_dir()))?;
         let m = self.submission.manifest();
-        let (shown, plain): (Vec<&String>, Vec<&String>) = sample.iter().partition(|t| m.replays.contains(t));
+        let (shown, plain): (Vec<_>, Vec<_>) = sample.iter().cloned().partition(|t| m.replays.contains(t));
         let mut records = BTreeMap::new();
         // Of tasks that nobody sees no traces are needed.
         for (tasks, trace, name) in [(shown, m.run.trace, "shown"), (plain, TraceMode::None, "plain")] {
             if tasks.is_empty() {
                 continue;
             }
-            let config = self.config(&tasks, trace, &scratch.path().join(name));
+            let config = self.config(tasks, trace, &scratch.path().join(name));
             let mut tell = |event| {
                 if let Event::TaskEnded(record) = event {
                     records.insert(record.task.clone(), *record);
@@ -155,15 +154,11 @@ impl Again<'_> {
         Ok(found)
     }
 
-    fn config(&self, tasks: &[&String], trace: TraceMode, out: &Path) -> RunConfig {
+    fn config(&self, tasks: Vec<TaskId>, trace: TraceMode, out: &Path) -> RunConfig {
         let (m, e) = (self.submission.manifest(), self.expected);
-        let named = |task: &&String| {
-            let (world, task) = task.split_once('/')?;
-            Some(TaskRef { world: world.to_owned(), task: task.to_owned() })
-        };
         RunConfig {
             suite: e.suite.clone(),
-            tasks: tasks.iter().filter_map(named).collect(),
+            tasks,
             selector: m.run.selector.clone(),
             shard: None,
             plugin: self.plugin.clone(),
@@ -191,7 +186,7 @@ impl Again<'_> {
 
     fn compare_records(
         &self,
-        again: &BTreeMap<String, TaskRecord>,
+        again: &BTreeMap<TaskId, TaskRecord>,
         found: &mut Findings,
     ) -> Result<(), SubmissionError> {
         let file = format!("{RUN}/tasks.jsonl");
@@ -201,7 +196,7 @@ impl Again<'_> {
                 serde_json::from_slice(line).map_err(|e| SubmissionError::damaged(&path, e))?;
             let Some(driven) = again.get(&stated.task) else { return Ok(ControlFlow::Continue(())) };
             let (stated, driven) = (self.comparable(stated), self.comparable(driven.clone()));
-            for d in differences(&stated, &driven) {
+            for d in differences(&stated, &driven, DIFFERENCES) {
                 let place = format!("{file}: {}: {}", stated.task, d.path);
                 found.push(Finding::new("rerun", place, format!("is {}, driven again it is {}", d.a, d.b)));
             }
@@ -218,7 +213,12 @@ impl Again<'_> {
         record
     }
 
-    fn compare_traces(&self, again: &Path, task: &str, found: &mut Findings) -> Result<(), SubmissionError> {
+    fn compare_traces(
+        &self,
+        again: &Path,
+        task: &TaskId,
+        found: &mut Findings,
+    ) -> Result<(), SubmissionError> {
         for (name, limit) in trace_files(task).into_iter().zip([TRACE, SERIES]) {
             let size = |path: &Path| match path.symlink_metadata() {
                 Ok(meta) => Ok(Some(meta.len())),

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use vb_math::rng::Stream;
+use vb_world::TaskId;
 
 /// `count` of `tasks` drawn by `seed` without replacement, and `always` beside them, which don't count.
-pub(crate) fn draw(tasks: &[String], count: usize, seed: u64, always: &[String]) -> BTreeSet<String> {
-    let always: BTreeSet<String> = always.iter().cloned().collect();
-    let mut others: Vec<&String> = tasks.iter().filter(|t| !always.contains(*t)).collect();
+pub(crate) fn draw(tasks: &[TaskId], count: usize, seed: u64, always: &[TaskId]) -> BTreeSet<TaskId> {
+    let always: BTreeSet<TaskId> = always.iter().cloned().collect();
+    let mut others: Vec<&TaskId> = tasks.iter().filter(|t| !always.contains(*t)).collect();
     Stream::new(seed, &["verification"]).shuffle(&mut others);
     let drawn = others.into_iter().take(count).cloned();
     drawn.chain(always.iter().cloned()).collect()
@@ -17,9 +18,13 @@ pub(crate) fn draw(tasks: &[String], count: usize, seed: u64, always: &[String])
 mod tests {
     use super::*;
 
+    fn tasks(count: usize) -> Vec<TaskId> {
+        (0..count).map(|k| format!("w001/t{k:02}").parse().unwrap()).collect()
+    }
+
     #[test]
     fn a_seed_names_its_sample_and_traces_are_always_in_it() {
-        let tasks: Vec<String> = (0..100).map(|k| format!("w001/t{k:02}")).collect();
+        let tasks = tasks(100);
         let always = [tasks[7].clone()];
         let of = |seed| draw(&tasks, 10, seed, &always);
         assert_eq!(of(1), of(1));
@@ -61,7 +66,7 @@ mod tests {
 
     #[test]
     fn every_task_is_drawn_as_often_as_any_other() {
-        let tasks: Vec<String> = (0..10).map(|k| format!("w001/t{k:02}")).collect();
+        let tasks = tasks(10);
         let mut counts = [0; 10];
         for seed in 0..2000 {
             for task in draw(&tasks, 3, seed, &[]) {

@@ -1,10 +1,14 @@
 //! The findings of a verification: `verification.json`.
 
 use serde::{Deserialize, Serialize};
+use vb_world::TaskId;
 
 use crate::Division;
 
 pub const VERIFICATION_SCHEMA: u32 = 1;
+
+/// The number of leaves of two documents whose differences become findings.
+pub(crate) const DIFFERENCES: usize = 20;
 
 /// A statement of a submission that isn't true.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,8 +82,8 @@ pub struct SampleTaken {
     pub seed: Option<u64>,
     /// The number of tasks of the submission.
     pub of: u64,
-    /// The tasks of the sample, by name.
-    pub tasks: Vec<String>,
+    /// The tasks of the sample, in order.
+    pub tasks: Vec<TaskId>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId, WorldInfo};
 
 const SCHEMA: u32 = 1;
 /// The file in a suite's folder.
@@ -83,21 +83,17 @@ pub struct Proof {
     pub suite: String,
     pub conditions: Conditions,
     pub provers: Vec<Prover>,
-    /// The drives by task, `WORLD/TASK`.
-    pub tasks: BTreeMap<String, Drive>,
+    /// The drives by task.
+    pub tasks: BTreeMap<TaskId, Drive>,
     /// The tasks that nobody has done yet, which may be impossible.
-    pub unproven: Vec<String>,
+    pub unproven: Vec<TaskId>,
 }
 
 impl Proof {
     /// A proof without a proven task.
     #[must_use]
     pub fn new(suite: &Suite, conditions: Conditions) -> Self {
-        let unproven = suite
-            .worlds()
-            .iter()
-            .flat_map(|w| w.tasks.iter().map(move |t| format!("{}/{t}", w.id)))
-            .collect();
+        let unproven = suite.worlds().iter().flat_map(WorldInfo::task_ids).collect();
         Self {
             schema: SCHEMA,
             suite: suite.hash(),
@@ -110,7 +106,7 @@ impl Proof {
 
     /// Adds what a planner has done: task, time (s) and state hash. Tasks that are proven already stay as they are, and
     /// a planner that proves nothing new is left out. It returns the number of tasks that the planner proved.
-    pub fn add(&mut self, prover: Prover, done: impl IntoIterator<Item = (String, f64, String)>) -> usize {
+    pub fn add(&mut self, prover: Prover, done: impl IntoIterator<Item = (TaskId, f64, String)>) -> usize {
         let (before, index) = (self.tasks.len(), self.provers.len());
         for (task, time_s, state_hash) in done {
             if let Some(at) = self.unproven.iter().position(|t| *t == task) {
@@ -156,7 +152,7 @@ impl Proof {
             return Err(damaged(format!("tasks.{task}.prover: there is no prover {}", drive.prover)));
         }
         let fresh = Self::new(suite, proof.conditions.clone()).unproven;
-        let mut all: Vec<&String> = proof.tasks.keys().chain(&proof.unproven).collect();
+        let mut all: Vec<&TaskId> = proof.tasks.keys().chain(&proof.unproven).collect();
         all.sort();
         if !all.iter().copied().eq(fresh.iter()) {
             return Err(damaged("does not name every task of the suite once".into()));
@@ -167,11 +163,9 @@ impl Proof {
     /// Writes the proof, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), ProofError> {
         let failed = |source| ProofError::File { path: path.to_owned(), source };
-        let part = path.with_extension("json.part");
         // One line a task, so that changes can be read.
         let value = serde_json::to_value(self).map_err(|e| failed(e.into()))?;
-        std::fs::write(&part, lines(&value)).map_err(failed)?;
-        std::fs::rename(&part, path).map_err(failed)
+        vb_files::write(path, lines(&value).as_bytes()).map_err(failed)
     }
 }
 
@@ -227,8 +221,8 @@ mod tests {
         Prover { planner: "p".into(), version: "1".into(), sha256: "ab".into(), params, seed: 7 }
     }
 
-    fn done(task: &str) -> (String, f64, String) {
-        (task.into(), 41.5, "0123".into())
+    fn done(task: &str) -> (TaskId, f64, String) {
+        (task.parse().unwrap(), 41.5, "0123".into())
     }
 
     #[test]
@@ -266,7 +260,10 @@ mod tests {
         };
         assert!(refused(&|p| p.suite = "ff".into()).contains("a suite with hash ff"));
         assert!(refused(&|p| drop(p.unproven.pop())).contains("every task of the suite once"));
-        assert!(refused(&|p| p.unproven.push("w001/t00".into())).contains("every task of the suite once"));
+        assert!(
+            refused(&|p| p.unproven.push("w001/t00".parse().unwrap()))
+                .contains("every task of the suite once")
+        );
         assert!(refused(&|p| p.schema = 9).contains("schema 9 is not supported"));
         let lost = refused(&|p| {
             p.add(prover("3"), [done("w001/t00")]);

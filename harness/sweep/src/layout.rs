@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use vb_record::{RunReader, StoreError};
 use vb_score::Outcome;
+use vb_world::TaskId;
 
 /// The folder of a sweep: `sweep.yaml`, `runs/NAME` for each run, and `shards/NAME` for the shards of those that many machines
 /// drive.
@@ -35,7 +36,7 @@ impl RunState {
 
 #[derive(Deserialize)]
 struct Ended {
-    task: Box<str>,
+    task: TaskId,
     outcome: Outcome,
 }
 
@@ -101,7 +102,7 @@ impl Layout {
 }
 
 /// Counts the tasks of a run, of which several shards may have `seen` some: each counts once.
-fn count(run: &Path, state: &mut RunState, seen: &mut BTreeSet<Box<str>>) -> Result<(), StoreError> {
+fn count(run: &Path, state: &mut RunState, seen: &mut BTreeSet<TaskId>) -> Result<(), StoreError> {
     RunReader::open(run)?.each_record(|Ended { task, outcome }| match outcome {
         Outcome::HostError => state.failed += 1,
         outcome if seen.insert(task) => *state.done.entry(outcome).or_default() += 1,

@@ -1,10 +1,11 @@
 //! The person's part in a trial: commands from the page, in real time, and the vehicle's motion to the page.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
+use vb_files::lock;
 use vb_record::Sample;
 use vb_sdk::{Command, Gear, Observation, Task};
 use vb_sim::{Simulation, VehicleState};
@@ -26,12 +27,12 @@ impl Wheel {
         let number = |v: f64| if v.is_finite() { v } else { 0.0 };
         let (steering, throttle, brake) =
             (number(command.steering), number(command.throttle), number(command.brake));
-        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = lock(&self.0);
         *held = Command { steering, throttle, brake, ..command };
     }
 
     fn get(&self) -> Command {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.0).clone()
     }
 }
 
@@ -114,11 +115,7 @@ impl Witness for Live<'_> {
             *angle += wheel.speed * passed;
         }
         let q = state.attitude;
-        let gear = match state.gear {
-            vb_sim::Gear::Reverse => -1.0,
-            vb_sim::Gear::Neutral => 0.0,
-            vb_sim::Gear::Forward => 1.0,
-        };
+        let gear = vb_trial::gear_number(state.gear);
         let mut values = vec![s.time, s.x, s.y, s.z, q.i, q.j, q.k, q.w, state.velocity_body.norm()];
         values.extend([s.roll.to_degrees(), s.pitch.to_degrees(), state.steering, s.throttle, s.brake, gear]);
         for (a, (axle, solved)) in self.vehicle.spec().axles.iter().zip(self.vehicle.axles()).enumerate() {

@@ -3,7 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::time::{Duration, Instant};
 
 use serde::Deserialize;
@@ -11,7 +11,9 @@ use tungstenite::handshake::server::create_response;
 use tungstenite::http::{self, Request};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Message, WebSocket};
-use vb_sdk::{Command, Gear};
+use vb_files::lock;
+use vb_sdk::Command;
+use vb_trial::{numbered_gear, planner_gear};
 
 use crate::driver::Wheel;
 
@@ -167,7 +169,7 @@ enum Wanted {
 
 impl Shared {
     fn send(&self, what: Out) {
-        if let Some(out) = &*self.out.lock().unwrap_or_else(PoisonError::into_inner) {
+        if let Some(out) = &*lock(&self.out) {
             let _ = out.send(what);
         }
     }
@@ -199,7 +201,7 @@ impl Shared {
                     return;
                 }
                 self.connected(stream, &request);
-                *self.out.lock().unwrap_or_else(PoisonError::into_inner) = None;
+                *lock(&self.out) = None;
                 self.busy.store(false, Ordering::Relaxed);
                 let _ = self.asks.send(Ask::Gone);
             }
@@ -253,7 +255,7 @@ impl Shared {
         let config = WebSocketConfig::default().max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE));
         let mut socket = WebSocket::from_raw_socket(stream, Role::Server, Some(config));
         let (sender, receiver) = mpsc::channel();
-        *self.out.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
+        *lock(&self.out) = Some(sender);
         let _ = self.asks.send(Ask::Hello);
         loop {
             for out in receiver.try_iter() {
@@ -284,11 +286,7 @@ impl Shared {
     fn take(&self, message: FromPage) {
         match message {
             FromPage::Input(steering, throttle, brake, gear) => {
-                let gear = match gear {
-                    ..0 => Gear::Reverse,
-                    0 => Gear::Neutral,
-                    1.. => Gear::Forward,
-                };
+                let gear = planner_gear(numbered_gear(f64::from(gear)));
                 self.wheel.set(Command { steering, throttle, brake, gear, debug: Vec::new() });
             }
             FromPage::Start(task) => drop(self.asks.send(Ask::Start(task))),

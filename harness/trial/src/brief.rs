@@ -50,7 +50,7 @@ pub(crate) struct Terms<'a> {
 impl Terms<'_> {
     /// By what the random numbers of a task's perception are told apart.
     pub(crate) fn perception_seed(&self, world: &World, task: &Task) -> Seed {
-        Seed { run: self.seed, task: name(world, task) }
+        Seed { run: self.seed, task: world.task_id(task).to_string() }
     }
 
     /// What a planner is told about a task of a (scaled) world, in which its vehicle perceives by these sensors.
@@ -63,7 +63,7 @@ impl Terms<'_> {
         perception: &Perception,
     ) -> vb_sdk::Task {
         let h = &world.heightfield;
-        let id = name(world, task);
+        let id = world.task_id(task).to_string();
         let PriorMaps { elevation, semantics, occupancy } =
             PriorMaps::new(self.profile, world, &self.perception_seed(world, task));
         vb_sdk::Task {
@@ -86,11 +86,6 @@ impl Terms<'_> {
             id,
         }
     }
-}
-
-/// The name of a task within its suite.
-fn name(world: &World, task: &Task) -> String {
-    format!("{}/{}", world.id, task.id)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! Plugins are drivers in `vb-runner`; nothing here loads or hosts one.
 
 mod brief;
+mod cache;
 mod driver;
 mod episode;
 mod error;
@@ -18,10 +19,11 @@ mod shape;
 mod trial;
 
 pub use brief::planner_vehicle;
+pub use cache::Cache;
 pub use driver::{Driver, DriverFault, Fuel, Log, Witness};
 pub use episode::{Episode, sample};
 pub use error::TrialError;
-pub use gear::{commanded_gear, planner_gear, simulated_gear};
+pub use gear::{commanded_gear, gear_number, numbered_gear, planner_gear, simulated_gear};
 pub use setting::{Keep, Place, Setting, Wants, is_time_step, start};
 pub use shape::{StaticShape, static_shape};
 pub use trial::{Trial, TrialResult, panic_text};

@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use vb_files::lock;
 use vb_record::{DebugSeries, LogMode, TRACE_SCHEMA, Trace, TraceMeta, TraceMode};
 use vb_score::{Fault, FuelUse, Outcome, Rules, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::fault::{Blame, FaultCode};
@@ -120,12 +121,11 @@ impl Trail {
     fn sink(&self) -> Log {
         let lines = Arc::clone(&self.log);
         Box::new(move |level, text| {
-            if let Ok(mut lines) = lines.lock() {
-                if lines.len() == LOG_LINES {
-                    lines.remove(0);
-                }
-                lines.push(format!("{}: {text}", format!("{level:?}").to_lowercase()));
+            let mut lines = lock(&lines);
+            if lines.len() == LOG_LINES {
+                lines.remove(0);
             }
+            lines.push(format!("{}: {text}", format!("{level:?}").to_lowercase()));
         })
     }
 }
@@ -199,13 +199,13 @@ impl Trial<'_> {
         };
         let diagnosis = ledger.recent.diagnose(&score, self.vehicle, self.world());
         let kept = self.logs.keeps(score.outcome == Outcome::Success);
-        let log = if kept { trail.log.lock().map(|l| l.clone()).unwrap_or_default() } else { Vec::new() };
+        let log = if kept { lock(&trail.log).clone() } else { Vec::new() };
         let fuel = trail
             .fuel
             .map(|f| FuelUse::new(f.init, trail.fuel_steps, f.init_limit, f.step_limit, f.memory_bytes));
         let world = self.world();
         let mut record = TaskRecord {
-            task: self.brief.id.clone(),
+            task: world.task_id(self.task),
             world: world.id.clone(),
             elevation: world.elevation,
             terrain: world.terrain,
@@ -233,7 +233,7 @@ impl Trial<'_> {
         let (start, geometry) = (self.task.start, TaskGeometry::of(self.world(), self.task));
         let trace = ledger.recorder.finish(TraceMeta {
             schema: TRACE_SCHEMA,
-            task: self.brief.id.clone(),
+            task: world.task_id(self.task),
             start: [start.x, start.y, start.yaw],
             goal: geometry.goal,
             goal_z: geometry.goal_z,

@@ -72,7 +72,7 @@ pub fn run(
             let Some(index) = wanted.len().checked_sub(k + 1) else { return };
             let result = drive(wanted[index], &bench, &others, references);
             finished(&result);
-            results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((index, result));
+            vb_files::lock(&results).push((index, result));
         }
     };
     std::thread::scope(|scope| {

@@ -79,7 +79,7 @@ pub(crate) fn open(path: &Path) -> Result<Functions, Failure> {
 fn unloadable(error: &libloading::Error) -> Failure {
     // The text of the error itself is only "dlopen failed".
     let reason = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
-    Failure { kind: FailureKind::Unloadable, message: on_one_line(&reason) }
+    Failure { kind: FailureKind::Unloadable, message: vb_files::one_line(&reason) }
 }
 
 fn explain(error: &LibraryError) -> Failure {
@@ -102,11 +102,7 @@ fn explain(error: &LibraryError) -> Failure {
         ),
         other => (FailureKind::Unloadable, other.to_string()),
     };
-    Failure { kind, message: on_one_line(&message) }
-}
-
-fn on_one_line(text: &str) -> String {
-    text.lines().map(str::trim).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ")
+    Failure { kind, message: vb_files::one_line(&message) }
 }
 
 /// Where log lines of a planner go.

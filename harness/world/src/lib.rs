@@ -17,6 +17,7 @@ mod selector;
 mod semantics;
 mod shard;
 mod task;
+mod task_id;
 mod world;
 
 pub use check::{Flaw, Part};
@@ -26,8 +27,9 @@ pub use format::{
 pub use heightfield::{Facet, Heightfield, Nearby, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;
-pub use selector::{Selector, SelectorError, TaskRef};
+pub use selector::{Selector, SelectorError};
 pub use semantics::{Semantics, SoilLevel, SoilLevels, TerrainClass};
 pub use shard::{SHARDS_VAR, Shard, ShardError};
 pub use task::{Pose2, Task};
+pub use task_id::{TaskId, TaskIdError};
 pub use world::{Density, Elevation, Terrain, World};

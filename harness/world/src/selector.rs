@@ -6,24 +6,7 @@
 //! one key. A task is chosen if, of each key that occurs, any condition holds: conditions of one key are alternatives,
 //! different keys must hold together.
 
-use std::fmt;
-
-use crate::{Density, Elevation, Suite, Terrain, WorldInfo};
-
-/// Names one task of a suite.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct TaskRef {
-    /// The world's id.
-    pub world: String,
-    /// The task's id within the world.
-    pub task: String,
-}
-
-impl fmt::Display for TaskRef {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.world, self.task)
-    }
-}
+use crate::{Density, Elevation, Suite, TaskId, Terrain, WorldInfo};
 
 /// The reason why a selector cannot be used. Each message names the condition and what there is.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -126,7 +109,7 @@ impl Selector {
     /// # Errors
     /// Returns an error if a condition names a world or task that the suite does not have, and if a condition alone or all together
     /// choose nothing.
-    pub fn select(&self, suite: &Suite) -> Result<Vec<TaskRef>, SelectorError> {
+    pub fn select(&self, suite: &Suite) -> Result<Vec<TaskId>, SelectorError> {
         let mut by_key: [Option<Chosen>; Kind::KEYS] = [const { None }; Kind::KEYS];
         for condition in &self.conditions {
             let own = condition.matches(suite)?;
@@ -141,10 +124,9 @@ impl Selector {
             all
         });
         let worlds = suite.worlds().iter().zip(chosen.unwrap_or_default());
-        let tasks: Vec<TaskRef> = worlds
+        let tasks: Vec<TaskId> = worlds
             .flat_map(|(w, flags)| {
-                let tasks = w.tasks.iter().zip(flags).filter(|(_, chosen)| *chosen);
-                tasks.map(|(t, _)| TaskRef { world: w.id.clone(), task: t.clone() })
+                w.task_ids().zip(flags).filter(|(_, chosen)| *chosen).map(|(task, _)| task)
             })
             .collect();
         if tasks.is_empty() { Err(no_match(&self.text, suite)) } else { Ok(tasks) }

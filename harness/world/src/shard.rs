@@ -5,7 +5,7 @@ use std::fmt;
 
 use vb_files::sha256;
 
-use crate::TaskRef;
+use crate::TaskId;
 
 /// The environment variable that says how many shards there are, where the scheduler doesn't.
 pub const SHARDS_VAR: &str = "VB_SHARDS";
@@ -169,8 +169,8 @@ impl Shard {
 
     /// Those of the tasks that are in this shard, in the same order.
     #[must_use]
-    pub fn tasks(&self, tasks: &[TaskRef]) -> Vec<TaskRef> {
-        let names: BTreeSet<&str> = tasks.iter().map(|t| t.world.as_str()).collect();
+    pub fn tasks(&self, tasks: &[TaskId]) -> Vec<TaskId> {
+        let names: BTreeSet<&str> = tasks.iter().map(|t| t.world()).collect();
         // In the order of the hashes; the name tells apart what no hash does.
         let worlds: BTreeSet<(String, &str)> =
             names.into_iter().map(|world| (sha256(world.as_bytes()), world)).collect();
@@ -178,7 +178,7 @@ impl Shard {
         let dealt = worlds.into_iter().zip(self.dealt..);
         let mine: BTreeSet<&str> =
             dealt.filter(|(_, k)| k % of == own).map(|((_, world), _)| world).collect();
-        tasks.iter().filter(|t| mine.contains(t.world.as_str())).cloned().collect()
+        tasks.iter().filter(|t| mine.contains(t.world())).cloned().collect()
     }
 }
 
@@ -192,8 +192,8 @@ impl fmt::Display for Shard {
 mod tests {
     use super::*;
 
-    fn tasks(worlds: u64) -> Vec<TaskRef> {
-        let task = |w: u64, t: u64| TaskRef { world: format!("w{w:03}"), task: format!("t{t:02}") };
+    fn tasks(worlds: u64) -> Vec<TaskId> {
+        let task = |w: u64, t: u64| TaskId::new(&format!("w{w:03}"), &format!("t{t:02}")).unwrap();
         (1..=worlds).flat_map(|w| (0..3).map(move |t| task(w, t))).collect()
     }
 
@@ -210,7 +210,7 @@ mod tests {
             joined.sort();
             assert_eq!(joined, all, "{of}");
             let worlds: Vec<BTreeSet<_>> =
-                parts.iter().map(|p| p.iter().map(|t| t.world.clone()).collect()).collect();
+                parts.iter().map(|p| p.iter().map(|t| t.world().to_owned()).collect()).collect();
             assert_eq!(worlds.iter().map(BTreeSet::len).sum::<usize>(), 100, "{of}: a world is in one shard");
             let sizes = worlds.iter().map(BTreeSet::len);
             assert!(sizes.clone().max().unwrap() - sizes.min().unwrap() <= 1, "{of}");
@@ -222,7 +222,7 @@ mod tests {
     fn a_shard_is_the_same_on_every_machine() {
         // The order of the hashes by `printf w001 | sha256sum` and so on: w005, w004, w003, w006, w002, w001.
         let tasks = Shard::parse("1/3").unwrap().tasks(&tasks(6));
-        let worlds: BTreeSet<_> = tasks.iter().map(|t| t.world.as_str()).collect();
+        let worlds: BTreeSet<_> = tasks.iter().map(|t| t.world()).collect();
         assert_eq!((worlds, tasks.len()), (BTreeSet::from(["w005", "w006"]), 6));
     }
 

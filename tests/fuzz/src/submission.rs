@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use vb_report::Runs;
 use vb_submission::{Submission, SubmissionError, leaderboard};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::site::Site;
 
@@ -41,7 +41,7 @@ impl leaderboard::Source for NoSuite {
         _: &leaderboard::Entry,
         _: &Runs,
         _: &Path,
-    ) -> Result<BTreeSet<String>, SubmissionError> {
+    ) -> Result<BTreeSet<TaskId>, SubmissionError> {
         Ok(BTreeSet::new())
     }
 }

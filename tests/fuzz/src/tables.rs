@@ -57,7 +57,7 @@ pub(crate) fn series_seeds() -> Vec<Vec<u8>> {
     values.push(1.0, "trajectories", &[2.0; 3000]);
     let all = [few, names, values];
     let file = |(k, series): (usize, &DebugSeries)| {
-        store.write_debug(&format!("w001/t{k}"), series).expect("a file");
+        store.write_debug(&format!("w001/t{k}").parse().expect("a task"), series).expect("a file");
         std::fs::read(site.path().join(format!("new/traces/w001/t{k}.debug.parquet"))).expect("the file")
     };
     all.iter().enumerate().map(file).collect()

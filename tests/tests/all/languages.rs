@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use serde_json::Value;
 use vb_tests::{Bench, Done, PluginKind, plugin, root};
@@ -22,7 +22,7 @@ static PYTHON: Mutex<()> = Mutex::new(());
 
 fn turn() -> MutexGuard<'static, ()> {
     // A test that failed has left nothing half done.
-    PYTHON.lock().unwrap_or_else(PoisonError::into_inner)
+    vb_files::lock(&PYTHON)
 }
 
 /// Whether other languages must be there: in CI.

@@ -23,7 +23,7 @@ use vb_score::TaskRecord;
 use vb_sim::{SimError, SoilSet};
 use vb_suite::import::{Ground, ImportError, Source};
 use vb_vehicle::{VehicleModel, VehicleSpec};
-use vb_world::{SuiteError, SuiteMeta, SuiteWriter, Terrain, World};
+use vb_world::{SuiteError, SuiteMeta, SuiteWriter, TaskId, Terrain, World};
 
 /// Drives the tasks that Project Chrono was recorded on and puts both results side by side.
 #[derive(Debug, Parser)]
@@ -137,7 +137,7 @@ fn compare(args: &Args) -> Result<(), CompareError> {
     }
     let suite = args.out.join("suite");
     write_suite(&suite, source.meta(), &runs, &worlds, moved)?;
-    let mut records: Vec<BTreeMap<String, TaskRecord>> = Vec::new();
+    let mut records: Vec<BTreeMap<TaskId, TaskRecord>> = Vec::new();
     let mut costs: BTreeMap<Terrain, Cost> = BTreeMap::new();
     for &mode in modes {
         eprintln!("driving: {}", mode.title());
@@ -295,8 +295,9 @@ fn drive(
 }
 
 /// Our records of a recorded run's task, if there are any.
-fn ours(run: &Run, records: &BTreeMap<String, TaskRecord>) -> Option<Ours> {
-    let nominal = records.get(&run.task())?.clone();
-    let moved = MOVED.iter().filter_map(|(mark, _)| records.get(&format!("{}{mark}", run.task())).cloned());
+fn ours(run: &Run, records: &BTreeMap<TaskId, TaskRecord>) -> Option<Ours> {
+    let nominal = records.get(run.task().as_str())?.clone();
+    let moved =
+        MOVED.iter().filter_map(|(mark, _)| records.get(format!("{}{mark}", run.task()).as_str()).cloned());
     Some(Ours { nominal, moved: moved.collect() })
 }

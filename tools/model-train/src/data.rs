@@ -146,7 +146,7 @@ pub struct PlaceOf {
     /// The content hash of the world.
     pub hash: String,
     /// `rigid`, `deformable` or `mixed`.
-    pub kind: String,
+    pub kind: vb_world::Terrain,
     pub heights: HeightMap,
     /// The ground of this map under the vehicle.
     pub terrain: Terrain,
@@ -211,7 +211,7 @@ impl Data {
                 let terrain = Terrain::new(&heights, maps.semantics.as_ref(), vehicle)
                     .ok_or_else(|| unfit(format!("{id} is too small")))?;
                 known.insert(id.clone(), (self.places.len(), Arc::new(world)));
-                let (hash, kind) = (episode.info.world_hash.clone(), episode.info.terrain.clone());
+                let (hash, kind) = (episode.info.world_hash.clone(), episode.info.terrain);
                 self.places.push(PlaceOf { hash, kind, heights, terrain });
             }
             let (place, world) = &known[id];

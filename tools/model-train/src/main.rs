@@ -129,7 +129,7 @@ fn run(args: &Args) -> Result<(), TrainError> {
         "errors_in_worlds_held_out": errors.collect::<BTreeMap<_, _>>(),
         "hazards_in_worlds_held_out": {"stuck": measured.hazards[0], "over": measured.hazards[1]},
     });
-    let text = serde_json::to_string_pretty(&card).unwrap_or_default() + "\n";
+    let text = serde_json::to_string_pretty(&card).expect("the card has text keys") + "\n";
     write(&out.with_extension("json"), text.as_bytes())?;
     // What plugins that embed the weights say of them in their metadata.
     let name = out.file_name().unwrap_or_default().to_string_lossy();

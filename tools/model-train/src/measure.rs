@@ -167,7 +167,7 @@ pub fn measure(
             }
             own.iter_mut().for_each(|sums| sums.1 += group.len() as f64);
         }
-        for kind in ["all", &here.kind] {
+        for kind in ["all", here.kind.name()] {
             let all = sums.entry(kind.to_owned()).or_default();
             for (all, own) in all.iter_mut().zip(&own) {
                 let numbers = all.0.iter_mut().flatten().zip(own.0.iter().flatten());

@@ -276,7 +276,7 @@ pub(crate) mod tests {
         let (heights, terrain) = terrain(vehicle);
         let place = PlaceOf {
             hash: String::new(),
-            kind: "rigid".into(),
+            kind: vb_world::Terrain::Rigid,
             heights: heights.clone(),
             terrain: terrain.clone(),
         };

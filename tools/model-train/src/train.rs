@@ -165,7 +165,7 @@ mod tests {
         let vehicle = vehicle(1.0, 3.302);
         let timing = Timing::new(10, &vehicle).unwrap();
         let (heights, terrain) = terrain(&vehicle);
-        let place = PlaceOf { hash: String::new(), kind: "rigid".into(), heights, terrain };
+        let place = PlaceOf { hash: String::new(), kind: vb_world::Terrain::Rigid, heights, terrain };
         let data = Data { places: vec![place], ..Data::new(timing) };
         let mut random = Stream::new(7, &["test"]);
         let mut draw = |scale: f64| random.normal(0.0, scale) as f32;

@@ -16,6 +16,7 @@ use vb_env::{Arena, EnvError, Options};
 use vb_score::Outcome;
 use vb_sdk::policy::ActionKind;
 use vb_suite_report::proof::{Proof, ProofError};
+use vb_world::TaskId;
 
 use crate::search::{SPEEDS, repeat, search};
 
@@ -57,7 +58,7 @@ enum SearchError {
     #[error("{0} has no proof.json, so that it must be told which tasks to search: --tasks SELECTOR")]
     NoProof(String),
     #[error("{task}: what was found is not done when it is driven anew: {reason}")]
-    NotRepeated { task: String, reason: String },
+    NotRepeated { task: TaskId, reason: String },
 }
 
 fn main() -> ExitCode {
@@ -89,9 +90,9 @@ fn run(args: &Args) -> Result<(), SearchError> {
         ..Options::default()
     };
     let arena = Arc::new(Arena::new(&catalog, options, &mut || ())?);
-    let all: Vec<String> = arena.tasks().iter().map(|t| format!("{}/{}", t.world, t.task)).collect();
+    let all = arena.tasks();
     let count = args.sample.unwrap_or(all.len()).min(all.len());
-    let tasks: Vec<&String> = (0..count).map(|k| &all[k * all.len() / count.max(1)]).collect();
+    let tasks: Vec<&TaskId> = (0..count).map(|k| &all[k * all.len() / count.max(1)]).collect();
     let jobs = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into)).max(1);
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
     std::thread::scope(|scope| {
@@ -115,7 +116,7 @@ fn run(args: &Args) -> Result<(), SearchError> {
 }
 
 /// Searches one task, and drives anew what was found.
-fn one(arena: &Arc<Arena>, task: &str, pieces: usize) -> Result<Value, SearchError> {
+fn one(arena: &Arc<Arena>, task: &TaskId, pieces: usize) -> Result<Value, SearchError> {
     let found = search(arena, task, pieces)?;
     let mut line = json!({ "task": task, "done": found.actions.is_some(), "pieces": found.pieces });
     let Some(actions) = found.actions else {
@@ -126,7 +127,7 @@ fn one(arena: &Arc<Arena>, task: &str, pieces: usize) -> Result<Value, SearchErr
     let record = env.record().filter(|record| record.outcome == Outcome::Success);
     let Some(record) = record else {
         let reason = env.record().map_or_else(|| "it doesn't end".to_owned(), |r| r.reason.clone());
-        return Err(SearchError::NotRepeated { task: task.to_owned(), reason });
+        return Err(SearchError::NotRepeated { task: task.clone(), reason });
     };
     line["time_s"] = json!(record.time_s);
     line["state_hash"] = json!(record.state_hash);

@@ -11,6 +11,7 @@ use vb_env::{Arena, Env, EnvError, Reset, Snapshot};
 use vb_math::rng::Stream;
 use vb_score::Outcome;
 use vb_sim::VehicleState;
+use vb_world::TaskId;
 
 use crate::way::Way;
 
@@ -56,9 +57,9 @@ pub(crate) struct Found {
 ///
 /// # Errors
 /// Returns an error if the task can't be begun, or its maps aren't known.
-pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Found, EnvError> {
+pub(crate) fn search(arena: &Arc<Arena>, task: &TaskId, most: usize) -> Result<Found, EnvError> {
     let mut env = Env::new(Arc::clone(arena), 0);
-    env.reset(&Reset { task: Some(task.to_owned()), run_seed: Some(0), seed: None })?;
+    env.reset(&Reset { task: Some(task.clone()), run_seed: Some(0), seed: None })?;
     let missing = || EnvError::Observation("maps of heights and obstacles are needed".into());
     let brief = env.brief().ok_or(EnvError::NoEpisode)?;
     let way = Way::new(brief).ok_or_else(missing)?;
@@ -69,7 +70,7 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
     let mut reached =
         vec![Reached { snapshot: env.snapshot(), before: None, pieces: 0, left: all, tries: 0 }];
     let mut cells = BTreeMap::from([(cell(&start, scale), 0)]);
-    let mut random = Stream::new(0, &["task search", task]);
+    let mut random = Stream::new(0, &["task search", task.as_str()]);
     let mut least = all;
     for tried in 1..=most {
         let from = choose(&reached, &mut random);
@@ -97,9 +98,9 @@ pub(crate) fn search(arena: &Arc<Arena>, task: &str, most: usize) -> Result<Foun
 }
 
 /// Drives a task anew by these actions; how it ends.
-pub(crate) fn repeat(arena: &Arc<Arena>, task: &str, actions: &[[f64; 2]]) -> Result<Env, EnvError> {
+pub(crate) fn repeat(arena: &Arc<Arena>, task: &TaskId, actions: &[[f64; 2]]) -> Result<Env, EnvError> {
     let mut env = Env::new(Arc::clone(arena), 0);
-    env.reset(&Reset { task: Some(task.to_owned()), run_seed: Some(0), seed: None })?;
+    env.reset(&Reset { task: Some(task.clone()), run_seed: Some(0), seed: None })?;
     for action in actions {
         let step = env.step(action)?;
         if step.terminated || step.truncated {
@@ -193,6 +194,10 @@ mod tests {
     use vb_env::Options;
     use vb_sdk::policy::ActionKind;
 
+    fn id(task: &str) -> TaskId {
+        task.parse().unwrap()
+    }
+
     /// Tasks of the small suite, which the harness brings along.
     fn arena() -> Arc<Arena> {
         let tasks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
@@ -208,21 +213,21 @@ mod tests {
     #[test]
     fn an_easy_task_is_found_and_done_again() {
         let arena = arena();
-        let found = search(&arena, "w001/t00", 1000).unwrap();
+        let found = search(&arena, &id("w001/t00"), 1000).unwrap();
         let actions = found.actions.expect("a way");
-        let record = repeat(&arena, "w001/t00", &actions).unwrap().record().cloned().unwrap();
+        let record = repeat(&arena, &id("w001/t00"), &actions).unwrap().record().cloned().unwrap();
         assert_eq!(record.outcome, Outcome::Success);
         // A second search finds the same, and actions mean what they say.
-        let again = search(&arena, "w001/t00", 1000).unwrap();
+        let again = search(&arena, &id("w001/t00"), 1000).unwrap();
         assert_eq!((again.actions.as_ref(), again.pieces), (Some(&actions), found.pieces));
         assert!(actions.iter().flatten().all(|a| (-1.0..=1.0).contains(a)));
     }
 
     #[test]
     fn who_may_try_little_finds_nothing_and_says_how_far_it_came() {
-        let found = search(&arena(), "w001/t00", 3).unwrap();
+        let found = search(&arena(), &id("w001/t00"), 3).unwrap();
         assert!(found.actions.is_none() && found.pieces == 3);
         assert!(found.left > 0.5 && found.left <= 1.0, "{}", found.left);
-        assert!(search(&arena(), "w001/t99", 3).is_err());
+        assert!(search(&arena(), &id("w001/t99"), 3).is_err());
     }
 }

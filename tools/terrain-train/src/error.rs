@@ -28,10 +28,5 @@ impl From<candle_core::Error> for TrainError {
 
 /// Writes a file as a whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    std::fs::write(&part, bytes)
-        .and_then(|()| std::fs::rename(&part, path))
-        .map_err(|source| TrainError::Write { path: path.to_owned(), source })
+    vb_files::write(path, bytes).map_err(|source| TrainError::Write { path: path.to_owned(), source })
 }

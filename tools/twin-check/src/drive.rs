@@ -8,6 +8,7 @@ use vb_score::Cause;
 use vb_sdk::speed::SpeedKeeper;
 use vb_sdk::{Observation, Pose, Task, Vec3, Wheel};
 use vb_sim::VehicleState;
+use vb_world::TaskId;
 
 /// The greatest speed of an action, m/s at full scale.
 pub(crate) const FASTEST: f64 = 8.0;
@@ -32,13 +33,13 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Drives from the start of a task until its rules end it.
-    pub(crate) fn new(arena: &Arc<Arena>, name: &str) -> Result<Self, EnvError> {
+    pub(crate) fn new(arena: &Arc<Arena>, name: &TaskId) -> Result<Self, EnvError> {
         let mut env = Env::new(Arc::clone(arena), 0);
-        env.reset(&Reset { task: Some(name.to_owned()), run_seed: Some(0), seed: None })?;
+        env.reset(&Reset { task: Some(name.clone()), run_seed: Some(0), seed: None })?;
         let task = Task::clone(env.brief().ok_or(EnvError::NoEpisode)?);
         let (period, root) = (arena.control_period(), task.vehicle.scale.sqrt());
         let second = ((root / period).round() as usize).max(1);
-        let mut random = Stream::new(0, &["twin check", name]);
+        let mut random = Stream::new(0, &["twin check", name.as_str()]);
         let mut keeper = SpeedKeeper::new(task.vehicle.scale);
         let start = observed(&env.vehicle().ok_or(EnvError::NoEpisode)?);
         let (mut seen, mut integrals, mut commands) = (vec![start], vec![0.0], Vec::new());

@@ -15,6 +15,7 @@ use vb_env::{Arena, EnvError, Options};
 use vb_sdk::mppi::{LANES, Model as _};
 use vb_sdk::policy::ActionKind;
 use vb_sdk::{Observation, PlannerError, math};
+use vb_world::TaskId;
 
 use crate::drive::{Drive, FASTEST};
 
@@ -47,7 +48,7 @@ enum CheckError {
     #[error(transparent)]
     Planner(#[from] PlannerError),
     #[error("{0}: there is no map of heights")]
-    NoMap(String),
+    NoMap(TaskId),
     #[error("no drive is long enough for the twin to foretell anything: choose other tasks")]
     Nothing,
 }
@@ -105,10 +106,9 @@ fn run(args: &Args, catalog: &Catalog) -> Result<Vec<Foretold>, CheckError> {
     let arena = Arc::new(Arena::new(catalog, options, &mut || ())?);
     let mut foretold = Vec::new();
     for task in arena.tasks() {
-        let name = format!("{}/{}", task.world, task.task);
-        let drive = Drive::new(&arena, &name)?;
+        let drive = Drive::new(&arena, task)?;
         if !drive.met_obstacle {
-            foretell(&drive, &name, args.clearance, &mut foretold)?;
+            foretell(&drive, task, args.clearance, &mut foretold)?;
         }
     }
     if foretold.is_empty() {
@@ -118,9 +118,9 @@ fn run(args: &Args, catalog: &Catalog) -> Result<Vec<Foretold>, CheckError> {
 }
 
 /// Lets the twin foretell a drive, second by second.
-fn foretell(drive: &Drive, name: &str, clearance: f64, all: &mut Vec<Foretold>) -> Result<(), CheckError> {
+fn foretell(drive: &Drive, name: &TaskId, clearance: f64, all: &mut Vec<Foretold>) -> Result<(), CheckError> {
     let task = &drive.task;
-    let heights = task.elevation.as_ref().ok_or_else(|| CheckError::NoMap(name.to_owned()))?;
+    let heights = task.elevation.as_ref().ok_or_else(|| CheckError::NoMap(name.clone()))?;
     let mut twin = Twin::new(heights, task.semantics.as_ref(), &task.vehicle, clearance);
     let (scale, second) = (task.vehicle.scale, drive.second);
     let longest = AHEAD[AHEAD.len() - 1] * second;

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, ValueEnum};
+use vb_world::TaskId;
 
 use super::values::{figure_width, frame_size, moment, positive};
 use super::{ForceArgs, FormatArgs};
@@ -143,7 +144,7 @@ pub(crate) struct ReplayArgs {
     pub(crate) perception: Option<String>,
     /// Task to show, e.g. w012/t03
     #[arg(long, value_name = "WORLD/TASK")]
-    pub(crate) task: String,
+    pub(crate) task: TaskId,
     /// HTML file for the replay; default: a temporary file, opened in the browser
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,

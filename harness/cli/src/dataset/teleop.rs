@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::json;
-use vb_dataset::{DatasetWriter, ENDED, Kind, Making};
-use vb_score::Rules;
+use vb_dataset::{DatasetWriter, Ending, Kind, Making};
+use vb_score::{Outcome, Rules};
 use vb_sdk::metadata::Need;
 use vb_teleop::{Ask, CONTROL_PERIOD, Live, PersonDriver, Server, Wheel};
 use vb_trial::Wants;
-use vb_world::TaskRef;
+use vb_world::TaskId;
 
 use super::finish;
 use super::scene::Scene;
@@ -26,7 +26,7 @@ const LOOK: Duration = Duration::from_millis(50);
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
     Serving { address: &'a str },
-    Episode { task: String, outcome: &'a str, frames: usize, episodes: usize },
+    Episode { task: &'a TaskId, outcome: &'a str, frames: usize, episodes: usize },
 }
 
 pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
@@ -65,7 +65,7 @@ struct Seat<'a> {
     writer: DatasetWriter,
     server: Server,
     wheel: Wheel,
-    tasks: Vec<TaskRef>,
+    tasks: Vec<TaskId>,
     json: bool,
 }
 
@@ -77,7 +77,7 @@ impl Seat<'_> {
             match next.take().or_else(|| self.server.ask(LOOK)) {
                 // Where somebody may start is shown before they do.
                 Some(Ask::Hello) => self.show(&self.tasks[0].clone(), false)?,
-                Some(Ask::Start(name)) => match self.tasks.iter().find(|t| t.to_string() == name).cloned() {
+                Some(Ask::Start(name)) => match self.tasks.iter().find(|t| **t == *name).cloned() {
                     Some(task) => next = self.drive(&task, cancel)?,
                     None => self.server.tell(&json!({"error": format!("there is no task {name}")})),
                 },
@@ -88,11 +88,11 @@ impl Seat<'_> {
     }
 
     /// Sends the page a task's world and vehicle.
-    fn show(&self, task: &TaskRef, driving: bool) -> Result<(), CliError> {
+    fn show(&self, task: &TaskId, driving: bool) -> Result<(), CliError> {
         let setting = &self.scene.setting;
-        let world = self.scene.worlds.load_world(&task.world).map_err(CliError::input)?;
+        let world = self.scene.worlds.load_world(task.world()).map_err(CliError::input)?;
         let world = Arc::new(world.at_scale(setting.scale));
-        let Some(found) = world.task(&task.task) else { return Ok(()) };
+        let Some(found) = world.task(task.task()) else { return Ok(()) };
         let radius = setting.rules.goal_radius(setting.scale);
         let name = &self.scene.worlds.meta().name;
         let scene = vb_replay::live_scene(&world, found, name, radius, setting.model.spec());
@@ -101,7 +101,7 @@ impl Seat<'_> {
     }
 
     /// Lets the person drive a task, and keeps the episode unless it is given up; what the page asked for meanwhile.
-    fn drive(&mut self, task: &TaskRef, cancel: &AtomicBool) -> Result<Option<Ask>, CliError> {
+    fn drive(&mut self, task: &TaskId, cancel: &AtomicBool) -> Result<Option<Ask>, CliError> {
         self.show(task, true)?;
         let wants = Wants {
             name: "person".to_owned(),
@@ -136,7 +136,8 @@ impl Seat<'_> {
         let episode = episode.map_err(|_| CliError::internal("the drive panicked; please report it"))?;
         let Some(episode) = episode? else { return Ok(asked) };
         // Who resets, or starts anew on the way, gives the drive up; who closes the page doesn't.
-        let given_up = episode.info.outcome == ENDED && matches!(asked, Some(Ask::Reset | Ask::Start(_)));
+        let given_up =
+            episode.info.outcome == Ending::ByDriver && matches!(asked, Some(Ask::Reset | Ask::Start(_)));
         if !given_up && episode.frames > 0 {
             self.writer.add(&episode).and_then(|()| self.writer.save())?;
         }
@@ -145,14 +146,13 @@ impl Seat<'_> {
         let text = if given_up {
             "given up: it isn't kept".to_owned()
         } else {
-            format!("{} after {:.1} s: {}", info.outcome.replace('_', " "), info.time_s, info.reason)
+            format!("{} after {:.1} s: {}", info.outcome.name().replace('_', " "), info.time_s, info.reason)
         };
-        let ended = json!({"text": text, "success": info.outcome == "success"});
+        let ended = json!({"text": text, "success": info.outcome == Ending::Decided(Outcome::Success)});
         self.server.tell(&json!({"ended": ended, "episodes": episodes}));
         let frames = episode.frames;
         if self.json {
-            let (task, outcome) = (task.to_string(), info.outcome.as_str());
-            output::json(&Message::Episode { task, outcome, frames, episodes });
+            output::json(&Message::Episode { task, outcome: info.outcome.name(), frames, episodes });
         } else {
             output::note(&format!("{task}: {text}; {episodes} episodes are kept"));
         }

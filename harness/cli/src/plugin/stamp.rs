@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
+use vb_files::NewFile;
 use vb_sdk::metadata::WASM_SECTION;
 use wasm_encoder::{CustomSection, Section as _};
 use wasmparser::{BinaryReader, Parser, Payload};
@@ -75,28 +76,14 @@ fn with_section(bytes: &[u8], text: &[u8]) -> Result<Vec<u8>, String> {
 fn replace(out: &Path, bytes: &[u8]) -> Result<(), CliError> {
     let failed =
         |e: std::io::Error| CliError::output(format!("{}: can't write the plugin: {e}", out.display()));
-    let folder = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut new = tempfile::Builder::new().prefix(".stamp-").tempfile_in(folder).map_err(failed)?;
-    new.write_all(bytes).map_err(failed)?;
+    let mut new = NewFile::at(out).map_err(failed)?;
+    new.as_file_mut().write_all(bytes).map_err(failed)?;
     vb_host::inspect(new.path()).map_err(|e| {
         let message = e.to_string();
         let reason = message.strip_prefix(&format!("{}: ", new.path().display())).unwrap_or(&message);
         CliError::input(format!("{}: {reason}", out.display()))
     })?;
-    // A temporary file is for its owner alone; a plugin may be read by whoever may read other new files.
-    let file = new.persist(out).map_err(|e| failed(e.error))?;
-    readable(&file).map_err(failed)
-}
-
-#[cfg(unix)]
-fn readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
+    new.finish().map_err(failed)
 }
 
 #[cfg(test)]

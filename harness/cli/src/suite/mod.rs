@@ -18,7 +18,7 @@ use vb_files::Document;
 use vb_record::NewFolder;
 use vb_suite::generate::{Generator, GeneratorParams, TRAINING_SEEDS};
 use vb_suite::import::Source;
-use vb_world::{Density, Elevation, Suite, SuiteMeta, SuiteWriter, TaskRef, Terrain, World, WorldInfo};
+use vb_world::{Density, Elevation, Suite, SuiteMeta, SuiteWriter, TaskId, Terrain, World, WorldInfo};
 
 use crate::args::{
     DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, TasksArgs, TasksCommand,
@@ -72,7 +72,7 @@ fn is_another(wanted: &Path, found: &Path) -> bool {
 }
 
 /// The tasks that a selector chooses, in the suite's order; without one, all.
-pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskRef>, CliError> {
+pub(crate) fn select(suite: &Suite, selector: Option<&str>) -> Result<Vec<TaskId>, CliError> {
     let chosen = vb_catalog::select(suite, selector).map_err(CliError::usage)?;
     if selector.is_some() {
         tell_choice(chosen.len(), suite);
@@ -187,7 +187,7 @@ fn name(drawn: &DrawnArgs) -> String {
 #[derive(Serialize)]
 struct TaskMessage<'a> {
     event: &'static str,
-    task: &'a str,
+    task: &'a TaskId,
     elevation: Elevation,
     terrain: Terrain,
     density: Density,
@@ -197,19 +197,18 @@ pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
     let suite = open(&args.suite)?;
     let mut rows = Vec::new();
     for task in select(&suite, args.tasks.as_deref())? {
-        let world = suite.world_info(&task.world).map_err(CliError::input)?;
-        let name = format!("{}/{}", task.world, task.task);
+        let world = suite.world_info(task.world()).map_err(CliError::input)?;
         match args.format.get() {
             MessageFormat::Json => output::json(&TaskMessage {
                 event: "task",
-                task: &name,
+                task: &task,
                 elevation: world.elevation,
                 terrain: world.terrain,
                 density: world.density,
             }),
             MessageFormat::Human => {
                 let levels = [world.elevation.name(), world.terrain.name(), world.density.name()];
-                rows.push(std::iter::once(name).chain(levels.map(str::to_owned)).collect());
+                rows.push(std::iter::once(task.to_string()).chain(levels.map(str::to_owned)).collect());
             }
         }
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_score::{Outcome, TaskRecord};
 use vb_suite_report::proof::{Conditions, Named, Proof, Prover};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 use crate::args::ProveArgs;
 use crate::error::CliError;
@@ -16,7 +16,7 @@ use crate::output;
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Message<'a> {
     Run { run: &'a Path, planner: &'a str, proven: usize },
-    Proof { path: &'a Path, proven: usize, tasks: usize, unproven: &'a [String] },
+    Proof { path: &'a Path, proven: usize, tasks: usize, unproven: &'a [TaskId] },
 }
 
 /// Collects from runs which tasks of a suite have been done.

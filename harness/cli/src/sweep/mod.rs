@@ -5,7 +5,7 @@ mod run;
 mod status;
 
 use vb_sweep::{Layout, PlannedRun, Spec};
-use vb_world::{Suite, TaskRef};
+use vb_world::{Suite, TaskId};
 
 use crate::args::{RunArgs, SweepArgs, SweepCommand};
 use crate::error::CliError;
@@ -27,7 +27,7 @@ struct Sweep {
     spec: Spec,
     layout: Layout,
     suite: Suite,
-    tasks: Vec<TaskRef>,
+    tasks: Vec<TaskId>,
 }
 
 impl Sweep {
@@ -61,7 +61,7 @@ impl Sweep {
 
     /// The number of worlds of each run.
     fn worlds(&self) -> u64 {
-        let mut worlds: Vec<&str> = self.tasks.iter().map(|t| t.world.as_str()).collect();
+        let mut worlds: Vec<&str> = self.tasks.iter().map(|t| t.world()).collect();
         worlds.dedup();
         worlds.len() as u64
     }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use vb_curriculum::{Curriculum, Ending, Method, Spec};
-use vb_world::{Selector, Suite, TaskRef};
+use vb_world::{Selector, Suite, TaskId};
 
-fn smoke() -> (Suite, Vec<TaskRef>) {
+fn smoke() -> (Suite, Vec<TaskId>) {
     let suite =
         Suite::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/smoke")).expect("the suite");
     let tasks = Selector::default().select(&suite).expect("tasks");
@@ -57,14 +57,14 @@ fn the_manual_stages_have_each_task_of_the_default_suite_once() {
     let tasks = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks");
     let suite = Suite::open(tasks.join("vb-100")).unwrap();
     let Method::Manual(manual) = Spec::resolve("manual").unwrap().method else { panic!("it has stages") };
-    let chosen = |stage: &Vec<Selector>| -> Vec<TaskRef> {
+    let chosen = |stage: &Vec<Selector>| -> Vec<TaskId> {
         stage.iter().flat_map(|selector| selector.select(&suite).unwrap()).collect()
     };
-    let stages: Vec<Vec<TaskRef>> = manual.stages.iter().map(chosen).collect();
+    let stages: Vec<Vec<TaskId>> = manual.stages.iter().map(chosen).collect();
     // Of 34 low worlds 20 are rigid and 4 mixed; of 33 medium and 33 high worlds 20 are rigid and 3 mixed.
     assert_eq!(stages.iter().map(Vec::len).sum::<usize>(), 1000);
     assert_eq!((stages[2].len(), stages[6].len(), stages[7].len()), (100, 200, 130));
-    let all: std::collections::BTreeSet<&TaskRef> = stages.iter().flatten().collect();
+    let all: std::collections::BTreeSet<&TaskId> = stages.iter().flatten().collect();
     assert_eq!(all.len(), 1000);
 }
 

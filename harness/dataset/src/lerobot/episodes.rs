@@ -175,7 +175,10 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
                 };
                 fields.insert(name, value);
             }
-            let info = serde_json::from_value(Value::Object(fields)).map_err(|e| damaged(e.to_string()))?;
+            let info = serde_path_to_error::deserialize(Value::Object(fields)).map_err(|e| {
+                let (field, problem) = (e.path().to_string(), e.into_inner());
+                damaged(format!("row {row}: {field}: {problem}"))
+            })?;
             let (chunk, file) = (number("data/chunk_index", row)?, number("data/file_index", row)?);
             let file = chunk.checked_mul(super::CHUNK).and_then(|first| first.checked_add(file));
             let place = Place {

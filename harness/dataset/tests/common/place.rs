@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use vb_dataset::{Dtype, Episode, EpisodeInfo, Layout, Values};
-use vb_world::Suite;
+use vb_dataset::{Dtype, Ending, Episode, EpisodeInfo, Layout, Values};
+use vb_score::Outcome;
+use vb_world::{Suite, Terrain};
 
 use crate::common;
 
@@ -25,8 +26,8 @@ pub fn episode(suite: &Suite, k: u64) -> Episode {
         drive: k,
         world: world.id.clone(),
         world_hash: world.sha256.clone(),
-        outcome: "rollover".into(),
-        terrain: "rigid".into(),
+        outcome: Ending::Decided(Outcome::Rollover),
+        terrain: Terrain::Rigid,
         state_hash: format!("{k:016x}"),
         ..EpisodeInfo::default()
     };

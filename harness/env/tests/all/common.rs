@@ -33,7 +33,7 @@ pub(crate) fn refused(options: Options) -> String {
 }
 
 pub(crate) fn on(task: &str) -> Reset {
-    Reset { seed: Some(3), task: Some(task.into()), run_seed: Some(5) }
+    Reset { seed: Some(3), task: Some(task.parse().expect("a task")), run_seed: Some(5) }
 }
 
 /// Steers to the third point of the path, 6 m ahead, at a speed of the command's.

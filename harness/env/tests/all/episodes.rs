@@ -194,7 +194,7 @@ fn a_snapshot_as_bytes_goes_on_as_the_environment_did() {
     let steps = drive(&mut env, 50).unwrap();
     let (seen, record) = (part(&env, 0), env.record().cloned());
     env.reset(&Reset::default()).unwrap();
-    let next = (env.task().map(str::to_owned), env.run_seed());
+    let next = (env.task().cloned(), env.run_seed());
     // A new arena and environment, as in another process.
     let mut other = Env::new(arena(options()), 99);
     other.restore_from(&bytes).unwrap();
@@ -202,7 +202,7 @@ fn a_snapshot_as_bytes_goes_on_as_the_environment_did() {
     assert_eq!(drive(&mut other, 50).unwrap(), steps);
     assert_eq!((part(&other, 0), other.record().cloned()), (seen, record));
     other.reset(&Reset::default()).unwrap();
-    assert_eq!((other.task().map(str::to_owned), other.run_seed()), next);
+    assert_eq!((other.task().cloned(), other.run_seed()), next);
 }
 
 #[test]
@@ -311,7 +311,7 @@ fn what_is_no_action_changes_nothing() {
     assert!(
         unknown.starts_with("there is no task w009/t77 among the 30 tasks") && unknown.contains("w001/t00")
     );
-    assert_eq!(env.task(), Some("w001/t00"));
+    assert_eq!(env.task().unwrap(), &"w001/t00");
     let steps = drive(&mut env, 20).unwrap();
     env.reset(&on("w001/t00")).unwrap();
     assert_eq!(drive(&mut env, 20).unwrap(), steps);

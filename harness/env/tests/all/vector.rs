@@ -2,6 +2,7 @@
 
 use vb_env::{Arena, Autoreset, Env, EnvError, Pointer, Reset, VectorEnv};
 use vb_sdk::policy::Row;
+use vb_world::TaskId;
 
 use crate::common::{arena, options, pursue};
 
@@ -42,7 +43,7 @@ fn wait(env: &mut VectorEnv, count: usize) -> Vec<vb_env::Arrival> {
 }
 
 /// Observations, reward and flags of environment 2 over many steps, and what it told.
-type Story = Vec<(Vec<f32>, f64, bool, bool, Option<String>, Option<String>)>;
+type Story = Vec<(Vec<f32>, f64, bool, bool, Option<TaskId>, Option<String>)>;
 
 fn story(threads: usize, autoreset: Autoreset, steps: usize) -> Story {
     let mut env = VectorEnv::new(arena(options()), COUNT, threads, autoreset, false).expect("environments");
@@ -84,7 +85,7 @@ fn threads_change_nothing_and_each_does_what_it_would_do_alone() {
         if is_over {
             env.reset(&Reset::default()).unwrap();
             assert_eq!((reward, terminated, truncated, ended), (0.0, false, false, None));
-            assert_eq!(began.as_deref(), env.task());
+            assert_eq!(began.as_ref(), env.task());
             is_over = false;
         } else {
             env.observe(1, Row::F32(&mut path));

@@ -26,7 +26,7 @@ use crate::process::{End, Process, Trouble};
 use crate::system::{self, Role};
 use crate::wasm::compile;
 use crate::{Limits, LoadError, LogSink};
-use vb_files::one_line;
+use vb_files::{lock, one_line};
 
 /// The argument that makes the worker of a program that is a worker among other things.
 const WORKER_ARGUMENT: &str = "__worker";
@@ -236,7 +236,7 @@ impl ProcessPlugin {
     /// A healthy process, an idle one if there is one.
     fn take(&self) -> Result<Process, FaultCause> {
         loop {
-            let idle = self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let idle = lock(&self.0.idle).pop();
             let Some(mut process) = idle else { break };
             // One that was ended from outside while it had no task is nobody's fault.
             if process.is_alive() {
@@ -255,7 +255,7 @@ impl ProcessPlugin {
         let worn_out = matches!(self.0.kind, Kind::Worker { .. })
             && process.cpu_time().is_some_and(|used| used > WORN_OUT);
         if !worn_out {
-            self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).push(process);
+            lock(&self.0.idle).push(process);
         }
     }
 

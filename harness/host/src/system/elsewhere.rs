@@ -6,6 +6,8 @@ use std::process::{ChildStdin, Command, Stdio};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use vb_files::lock;
+
 use super::{Ready, Role};
 use crate::fault::ProcessEnd;
 
@@ -211,7 +213,7 @@ impl Drop for Child {
 
 impl Pipes {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     fn wait_while(&self, busy: impl FnMut(&mut State) -> bool) -> MutexGuard<'_, State> {

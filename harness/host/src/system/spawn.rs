@@ -6,7 +6,7 @@
 use std::io;
 use std::process::{Child, Command};
 use std::sync::Mutex;
-use std::sync::{OnceLock, PoisonError, mpsc};
+use std::sync::{OnceLock, mpsc};
 
 type Job = Box<dyn FnOnce() + Send>;
 
@@ -31,6 +31,6 @@ pub(super) fn spawn(mut command: Command) -> io::Result<Child> {
         let _ = reply.send(command.spawn());
     });
     let gone = || io::Error::other("the thread that starts processes is gone");
-    sender.lock().unwrap_or_else(PoisonError::into_inner).send(job).map_err(|_| gone())?;
+    vb_files::lock(sender).send(job).map_err(|_| gone())?;
     answer.recv().map_err(|_| gone())?
 }

@@ -22,6 +22,7 @@ use std::time::SystemTime;
 
 use hmac::{Hmac, KeyInit as _, Mac as _};
 use sha2::Sha256;
+use vb_files::NewFile;
 use wasmtime::Engine;
 use wasmtime::component::Component;
 
@@ -83,12 +84,13 @@ impl Entry {
             Some(key) => key,
             None => make_key(&self.dir)?,
         };
-        // Renamed into place when it is whole, since other processes may be reading. Readable by its owner only.
-        let mut file = tempfile::NamedTempFile::new_in(&self.dir)?;
+        // As a whole, since other processes may be reading.
+        let mut new = NewFile::private(&self.path())?;
+        let file = new.as_file_mut();
         file.write_all(MAGIC)?;
         file.write_all(&self.mac(&key, code).finalize().into_bytes())?;
         file.write_all(code)?;
-        file.persist(self.path())?;
+        new.finish()?;
         self.prune()?;
         Ok(())
     }

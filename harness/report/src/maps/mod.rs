@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use vb_map::Sources;
 use vb_record::RunReader;
-use vb_world::World;
+use vb_world::{TaskId, World};
 
 use crate::runs::Row;
 use crate::{Report, ReportError};
@@ -33,7 +33,7 @@ pub struct MapLinks<'a> {
     /// The world after it.
     pub next: Option<&'a str>,
     /// The tasks of which there is a replay.
-    pub replays: BTreeSet<String>,
+    pub replays: BTreeSet<TaskId>,
     /// Where the pictures of the ground lie; in the page itself if it isn't said.
     pub pictures: Option<Sources>,
 }
@@ -66,11 +66,10 @@ pub struct WorldMap<'a> {
 impl Report {
     /// The map of a world, scaled as the runs had it, with the ways of all runs.
     pub fn map<'a>(&'a self, world: &'a World) -> Result<WorldMap<'a>, ReportError> {
-        let prefix = format!("{}/", world.id);
         let mut ways = Vec::new();
         for (run, own) in self.runs.runs.iter().enumerate() {
             let reader = RunReader::open(&own.dir)?;
-            for row in own.rows.iter().filter(|r| r.task.starts_with(&prefix)) {
+            for row in own.rows.iter().filter(|r| r.task.world() == world.id) {
                 let points = if reader.has_trace(&row.task)? {
                     let samples = reader.trace(&row.task)?.samples;
                     let all: Vec<[f64; 2]> = samples.iter().map(|s| [s.x, s.y]).collect();
@@ -78,7 +77,7 @@ impl Report {
                 } else {
                     Vec::new()
                 };
-                let goal = row.task.strip_prefix(&prefix).and_then(|id| world.task(id)).map(|t| t.goal);
+                let goal = world.task(row.task.task()).map(|t| t.goal);
                 ways.push(Way { run, row, points, goal });
             }
         }

@@ -60,11 +60,6 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
     .html()
 }
 
-/// The name of a task within its world.
-fn short<'a>(task: &'a str, world: &World) -> &'a str {
-    task.strip_prefix(world.id.as_str()).map_or(task, |t| t.trim_start_matches('/'))
-}
-
 /// Ways first, and over all of them the places where they ended.
 fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
     let half = [world.heightfield.half_x(), world.heightfield.half_y()];
@@ -74,7 +69,7 @@ fn drawn(report: &Report, world: &World, ways: &[Way<'_>]) -> String {
         let _ = write!(
             s,
             "<g data-task=\"{}\" data-run=\"{}\" data-done=\"{}\">",
-            escape(short(&w.row.task, world)),
+            w.row.task.task(),
             w.run,
             w.row.succeeded()
         );
@@ -177,20 +172,20 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     for (k, run) in report.runs.runs.iter().enumerate() {
         let _ = write!(s, "<th>{}{}</th>", sample(k), escape(&run.label));
     }
-    let replays = world.tasks.iter().any(|t| links.replays.contains(&format!("{}/{}", world.id, t.id)));
+    let replays = world.tasks.iter().any(|t| links.replays.contains(&world.task_id(t)));
     s.push_str(if replays { "<th>replay</th></tr></thead><tbody>" } else { "</tr></thead><tbody>" });
     let mut untraced = false;
     for task in &world.tasks {
-        let full = format!("{}/{}", world.id, task.id);
+        let full = world.task_id(task);
         let id = escape(&task.id);
         let _ = write!(
             s,
             "<tr data-task=\"{id}\" tabindex=\"0\"><th><a href=\"{}#task={}\" title=\"in the report\">{id}</a></th>",
             escape(links.report),
-            escape(&full)
+            full
         );
         for run in 0..report.runs.runs.len() {
-            let Some(w) = ways.iter().find(|w| w.run == run && *w.row.task == *full) else {
+            let Some(w) = ways.iter().find(|w| w.run == run && w.row.task == full) else {
                 s.push_str("<td>–</td>");
                 continue;
             };
@@ -208,7 +203,7 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
         }
         if replays {
             let link = if links.replays.contains(&full) {
-                format!("<a href=\"../replays/{}.html\">replay</a>", escape(&full))
+                format!("<a href=\"../replays/{}.html\">replay</a>", full)
             } else {
                 String::new()
             };

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vb_page::{escape, grouped, json};
 use vb_score::{Cause, FuelUse, Measured, Metrics, Outcome, Reader, Ride};
+use vb_world::TaskId;
 
 /// Rows on the page at most: more would make a browser slow. All are in the tables for programs.
 const ROWS: usize = 20_000;
@@ -92,16 +93,16 @@ fn columns() -> Vec<Column> {
 }
 
 /// A task as the script reads it.
-fn row(run: usize, r: &Row, columns: &[Column], replays: &BTreeSet<String>) -> Value {
+fn row(run: usize, r: &Row, columns: &[Column], replays: &BTreeSet<TaskId>) -> Value {
     json!([
         run,
-        &*r.task,
+        r.task,
         r.world,
         r.outcome.index(),
         round(r.time),
         columns.iter().map(|(.., value)| value(r)).collect::<Vec<_>>(),
         &*r.note,
-        u8::from(replays.contains(&*r.task)),
+        u8::from(replays.contains(&r.task)),
         r.cause.and_then(|cause| Cause::ALL.iter().position(|c| *c == cause)),
     ])
 }

@@ -60,7 +60,7 @@ pub fn record(w: usize, t: usize, success: bool) -> TaskRecord {
     let x = ((w * 7 + t * 3) % 11) as f64;
     let outcome = if success { Outcome::Success } else { Outcome::Stuck };
     TaskRecord {
-        task: format!("w{w:03}/t{t:02}"),
+        task: format!("w{w:03}/t{t:02}").parse().unwrap(),
         world: format!("w{w:03}"),
         elevation: Elevation::ALL[w % 3],
         terrain: Terrain::ALL[w / 3 % 3],

@@ -28,9 +28,9 @@ impl Course {
     pub(super) fn new(kit: &Kit<'_>) -> Result<Self, RunError> {
         let mut tasks = Vec::new();
         for wanted in kit.tasks.iter().take(TASKS) {
-            kit.suite.verify_world(&wanted.world)?;
-            let place = Place::load(kit.suite, &wanted.world, 1.0)?;
-            if let Some(task) = place.world.task(&wanted.task).cloned() {
+            kit.suite.verify_world(wanted.world())?;
+            let place = Place::load(kit.suite, wanted.world(), 1.0)?;
+            if let Some(task) = place.world.task(wanted.task()).cloned() {
                 tasks.push((place, task));
             }
         }

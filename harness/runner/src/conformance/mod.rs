@@ -23,7 +23,7 @@ use vb_host::{Blame, Limits, LoadError, ParamError, Plugin};
 use vb_score::Rules;
 use vb_sim::Soils;
 use vb_vehicle::Vehicle;
-use vb_world::{Suite, TaskRef};
+use vb_world::{Suite, TaskId};
 
 pub use report::{Check, Report, Verdict};
 
@@ -43,7 +43,7 @@ pub struct Kit<'a> {
     /// The suite of the tasks.
     pub suite: &'a Suite,
     /// The tasks of the suite, at least one; the first three are driven.
-    pub tasks: &'a [TaskRef],
+    pub tasks: &'a [TaskId],
     /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// The soils of deformable ground.

@@ -47,7 +47,7 @@ pub(super) mod tests {
     /// A task that ended so.
     pub(in super::super) fn driven(task: &str, outcome: Outcome) -> TaskRecord {
         TaskRecord {
-            task: task.into(),
+            task: task.parse().unwrap(),
             world: "w001".into(),
             elevation: Elevation::Low,
             terrain: Terrain::Rigid,

@@ -13,6 +13,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use vb_world::{Heightfield, geometry};
 
+use crate::Outcome;
+
 pub use moment::{Moment, WheelMoment};
 
 /// The standard acceleration of gravity, m/s².
@@ -88,6 +90,29 @@ causes! {
 }
 
 impl Cause {
+    /// The outcome of which it is a cause: a rollover, or getting stuck.
+    #[must_use]
+    pub fn outcome(self) -> Outcome {
+        match self {
+            Self::RolloverAtObstacle
+            | Self::RolloverOverEdge
+            | Self::RolloverAtSpeed
+            | Self::RolloverEndOverEnd
+            | Self::RolloverOnSideSlope => Outcome::Rollover,
+            Self::NotDriven
+            | Self::HighCentred
+            | Self::AgainstObstacle
+            | Self::CrossAxled
+            | Self::WheelsOffGround
+            | Self::AgainstWall
+            | Self::SpinningOnSoil
+            | Self::TooSteep
+            | Self::Sliding
+            | Self::SpinningOnFirm
+            | Self::Other => Outcome::Stuck,
+        }
+    }
+
     /// The causes with how often each was one, which `count` says: the most frequent first, those alike in the order of
     /// tables, and without those that were none.
     #[must_use]

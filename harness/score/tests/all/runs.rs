@@ -62,7 +62,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
 
 fn record(task: &str, elevation: Elevation, score: TaskScore) -> TaskRecord {
     let mut record = TaskRecord {
-        task: task.into(),
+        task: task.parse().unwrap(),
         world: task.split_once('/').unwrap().0.into(),
         elevation,
         terrain: Terrain::Rigid,
@@ -157,7 +157,7 @@ fn drive(
     }
     let meta = TraceMeta {
         schema: TRACE_SCHEMA,
-        task: name.into(),
+        task: name.parse().unwrap(),
         start: [-60.0, 0.0, 0.0],
         goal: GEOMETRY.goal,
         goal_z: GEOMETRY.goal_z,
@@ -391,7 +391,7 @@ fn what_the_host_failed_counts_for_nobody() {
     let mut records = some_records();
     let without = Summary::new(&header, &rules, &records, Vec::new());
     let mut failed = records[0].clone();
-    failed.task = "w9/t9".into();
+    failed.task = "w9/t9".parse().unwrap();
     failed.outcome = Outcome::HostError;
     failed.fault = Some(FaultCode::Machine);
     records.push(failed);
@@ -469,7 +469,8 @@ fn a_summary_does_not_depend_on_the_order_of_the_tasks() {
 fn records_and_summaries_read_back_as_written() {
     let rules = Rules::paper();
     let records = some_records();
-    let summary = Summary::new(&header(&rules, TraceMode::None, 4), &rules, &records, vec!["w9/t9".into()]);
+    let summary =
+        Summary::new(&header(&rules, TraceMode::None, 4), &rules, &records, vec!["w9/t9".parse().unwrap()]);
     let text = serde_json::to_string(&summary).unwrap();
     assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), summary);
     for r in records {

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use vb_page::{Page, TABLE_STYLE, escape, grouped, number};
 use vb_report::{Measure, THUMBNAIL_STYLE, one_line};
 use vb_score::{Cause, Flag, Outcome};
+use vb_world::TaskId;
 
 use super::index_page::{STYLE, strip, whisker};
 use super::rank::{Board, Ranked};
@@ -15,7 +16,7 @@ pub(super) fn page(
     title: &str,
     board: &Board,
     r: &Ranked,
-    replays: &BTreeSet<String>,
+    replays: &BTreeSet<TaskId>,
     maps: &Maps,
 ) -> String {
     let (e, m) = (&r.entry, &r.entry.manifest);
@@ -48,7 +49,7 @@ pub(super) fn page(
     if !replays.is_empty() {
         s.push_str("<section id=\"replays\"><h2>Replays</h2><ul class=\"replays\">");
         for task in replays {
-            let _ = write!(s, "<li><a href=\"replays/{0}.html\">{0}</a></li>", escape(task));
+            let _ = write!(s, "<li><a href=\"replays/{0}.html\">{0}</a></li>", escape(task.as_str()));
         }
         s.push_str("</ul><p class=\"about\">Tasks in three dimensions, driven again by the recorded commands.</p></section>");
     }

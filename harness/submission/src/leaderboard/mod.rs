@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use vb_report::{Beside, Report, Runs};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 pub use data::LEADERBOARD_SCHEMA;
 pub use entries::Entry;
@@ -46,7 +46,7 @@ pub trait Source {
         entry: &Entry,
         runs: &Runs,
         out: &Path,
-    ) -> Result<BTreeSet<String>, SubmissionError>;
+    ) -> Result<BTreeSet<TaskId>, SubmissionError>;
 }
 
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use vb_map::{LAYERS, Sources};
 use vb_report::{MAP_SIDE, MapLinks, Report};
-use vb_world::{Suite, World};
+use vb_world::{Suite, TaskId, World};
 
 use super::rank::Board;
 use super::{Entry, REPORT};
@@ -100,7 +100,7 @@ impl<'a> Painter<'a> {
         entry: &Entry,
         suite: &Suite,
         report: &Report,
-        replays: &BTreeSet<String>,
+        replays: &BTreeSet<TaskId>,
         own: &Path,
     ) -> Result<Maps, SubmissionError> {
         let runs = report.runs();

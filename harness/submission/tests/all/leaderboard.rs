@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use vb_report::Runs;
 use vb_submission::leaderboard::{self, Entry, Site};
 use vb_submission::{Scores, SubmissionError};
-use vb_world::Suite;
+use vb_world::{Suite, TaskId};
 
 const HOSTILE: &str = "</script><script>document.title='owned'</script><img src=x onerror=alert(1)>";
 
@@ -81,7 +81,7 @@ impl leaderboard::Source for Shelf {
         self.suite.clone()
     }
 
-    fn replays(&mut self, entry: &Entry, _: &Runs, _: &Path) -> Result<BTreeSet<String>, SubmissionError> {
+    fn replays(&mut self, entry: &Entry, _: &Runs, _: &Path) -> Result<BTreeSet<TaskId>, SubmissionError> {
         self.asked.push(entry.id.clone());
         Ok(BTreeSet::new())
     }

@@ -62,14 +62,14 @@ fn replays_are_the_first_of_each_outcome_or_those_wanted() {
     let b = bench();
     let manifest = b.make("run", "own-choice").unwrap();
     assert_eq!(manifest.replays, ["w001/t00"], "all four succeed");
-    let wanted = Some(vec!["w002/t01".to_owned(), "w001/t01".to_owned()]);
+    let wanted = Some(["w002/t01", "w001/t01"].map(|t| t.parse().unwrap()).to_vec());
     let manifest = b.make_with("run", "wanted", wanted).unwrap();
     assert_eq!(manifest.replays, ["w001/t01", "w002/t01"]);
     assert!(b.verify("wanted", Some((1, 0))).unwrap().verified);
-    let e = b.make_with("run", "none", Some(vec!["w009/t00".into()])).unwrap_err().to_string();
+    let e = b.make_with("run", "none", Some(vec!["w009/t00".parse().unwrap()])).unwrap_err().to_string();
     assert!(e.contains("w009/t00: not a task of the run"), "{e}");
     b.run("no-trace", |c| c.trace = TraceMode::None);
-    let e = b.make_with("no-trace", "none", Some(vec!["w001/t00".into()])).unwrap_err().to_string();
+    let e = b.make_with("no-trace", "none", Some(vec!["w001/t00".parse().unwrap()])).unwrap_err().to_string();
     assert!(e.contains("has no trace"), "{e}");
     let manifest = b.make("no-trace", "traceless").unwrap();
     assert!(manifest.replays.is_empty() && manifest.division == Division::Ranked);

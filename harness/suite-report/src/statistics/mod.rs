@@ -16,7 +16,9 @@ use crate::proof::Proof;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use summary::Tally;
-use vb_world::{Density, Elevation, Provenance, SoilLevel, Suite, SuiteError, Terrain, TerrainClass, World};
+use vb_world::{
+    Density, Elevation, Provenance, SoilLevel, Suite, SuiteError, TaskId, Terrain, TerrainClass, World,
+};
 
 /// The number of worlds with one choice of labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -189,7 +191,8 @@ impl Survey {
     pub fn finish(mut self, suite: &Suite, proof: Option<&Proof>) -> SuiteStatistics {
         for world in &mut self.worlds {
             for task in &mut world.tasks {
-                task.proven = proof.map(|p| p.tasks.contains_key(&format!("{}/{}", world.id, task.id)));
+                task.proven =
+                    proof.map(|p| TaskId::new(&world.id, &task.id).is_ok_and(|id| p.tasks.contains_key(&id)));
             }
         }
         let meta = suite.meta();

@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use vb_suite::generate::GeneratorParams;
-use vb_world::{Part, Suite, SuiteError, SuiteMeta, World};
+use vb_world::{Part, Suite, SuiteMeta, World};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -188,14 +188,14 @@ pub fn validate(
         match suite.examine_world(&info.id) {
             Ok((world, errors)) => {
                 for e in errors {
-                    findings.say(Severity::Error, Rule::Format, one_line(&e));
+                    findings.say(Severity::Error, Rule::Format, vb_files::one_line(&e.to_string()));
                 }
                 if let Some(world) = world {
                     check(&world, limits, &mut findings);
                     fingerprints.add(&world, &mut findings);
                 }
             }
-            Err(e) => findings.say(Severity::Error, Rule::Format, one_line(&e)),
+            Err(e) => findings.say(Severity::Error, Rule::Format, vb_files::one_line(&e.to_string())),
         }
         let found = findings.finish();
         told(Some(&info.id), &found);
@@ -207,11 +207,6 @@ pub fn validate(
     told(None, &found);
     all.extend(found);
     all
-}
-
-/// The text of an error, which may quote lines of a file, as one line.
-fn one_line(e: &SuiteError) -> String {
-    e.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
 fn check(world: &World, limits: &Limits, findings: &mut Findings<'_>) {

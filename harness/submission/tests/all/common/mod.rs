@@ -24,7 +24,9 @@ use vb_submission::{
     SubmissionError, Verification,
 };
 use vb_vehicle::{Vehicle, VehicleSpec};
-use vb_world::{Heightfield, Pose2, Provenance, Suite, SuiteMeta, Task, TaskRef, TerrainClass, World};
+use vb_world::{
+    Heightfield, Pose2, Provenance, Suite, SuiteMeta, Task, TaskId, TerrainClass, World, WorldInfo,
+};
 
 pub const VERSION: &str = "0.1.0";
 
@@ -105,12 +107,9 @@ impl Bench {
 
     /// Drives the suite into `out`.
     pub fn run(&self, out: &str, change: impl FnOnce(&mut RunConfig)) {
-        let tasks = self.suite.worlds().iter().flat_map(|w| {
-            w.tasks.iter().map(|t| TaskRef { world: w.id.clone(), task: t.clone() }).collect::<Vec<_>>()
-        });
         let mut config = RunConfig {
             suite: self.suite.clone(),
-            tasks: tasks.collect(),
+            tasks: self.suite.worlds().iter().flat_map(WorldInfo::task_ids).collect(),
             selector: None,
             shard: None,
             plugin: self.plugin.clone(),
@@ -145,7 +144,7 @@ impl Bench {
         &self,
         run: &str,
         out: &str,
-        replays: Option<Vec<String>>,
+        replays: Option<Vec<TaskId>>,
     ) -> Result<Manifest, SubmissionError> {
         let entrant = Entrant {
             name: "A team".into(),
