@@ -1,7 +1,7 @@
 //! Tells the program which git commit it is built from, as `VB_COMMIT`: where a result is from should be found again. And packs
 //! the folder `tasks` for it, which it carries so that it needs no other file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What the program is made of, as paths of the repository.
@@ -52,7 +52,13 @@ fn commit(root: &Path) -> Option<String> {
     // Asked again only when HEAD moved or a source changed, which builds the program anyway. A path that isn't there would make
     // cargo ask each time. The log of HEAD grows with every commit and checkout, also where HEAD itself names a branch.
     let of_git = ["HEAD", "logs/HEAD"].iter().filter_map(|name| git(&["rev-parse", "--git-path", name]));
-    let sources = root.join("harness").read_dir().ok()?.flatten().map(|e| e.path().join("src"));
+    let folders = |of: &Path| -> Vec<PathBuf> {
+        of.read_dir().into_iter().flatten().flatten().map(|e| e.path()).collect()
+    };
+    // Crates are in folders by role, but for the front ends.
+    let roles = folders(&root.join("harness"));
+    let crates = roles.iter().flat_map(|role| folders(role)).chain(roles.iter().cloned());
+    let sources = crates.map(|folder| folder.join("src"));
     let paths =
         of_git.map(|p| root.join(p)).chain(sources).chain(["sdk/src", "Cargo.lock"].map(|p| root.join(p)));
     for path in paths.filter(|p| p.exists()) {

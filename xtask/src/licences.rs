@@ -14,7 +14,7 @@ const PACKAGES: [&str; 2] = ["vb-harness", "vb-python"];
 /// Beginnings of the names of licence files, in lower case.
 const NAMES: [&str; 4] = ["licen", "copying", "notice", "unlicense"];
 /// Foreign content of our crates, with its licence.
-const OTHERS: [(&str, &str); 1] = [("the font Liberation Sans", "harness/figure/fonts/LICENSE")];
+const OTHERS: [(&str, &str); 1] = [("the font Liberation Sans", "harness/show/figure/fonts/LICENSE")];
 
 /// Returns a text with all linked crates for a system, their licence identifiers, and each licence text once.
 pub(crate) fn text(target: &str) -> Result<String, Failure> {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod bad_input;
-#[path = "../../../harness/sim/tests/all/bits.rs"]
+#[path = "../../../harness/model/sim/tests/all/bits.rs"]
 mod bits;
 mod check;
 mod dataset;

@@ -216,7 +216,7 @@ mod tests {
     /// Files that are made and aren't looked for would never be found.
     #[test]
     fn fleets_look_for_the_kernels_of_all_architectures() {
-        let looks = include_str!("../../../harness/gpu/src/code.rs");
+        let looks = include_str!("../../../harness/learn/gpu/src/code.rs");
         let capabilities = ARCHITECTURES.map(|name| {
             let number: u32 = name.trim_start_matches("sm_").parse().unwrap();
             format!("({}, {})", number / 10, number % 10)
@@ -234,7 +234,7 @@ mod tests {
         let mut names: Vec<_> = names.map(|name| format!("\"{name}\"")).collect();
         names.sort();
         names.dedup();
-        let hashed = include_str!("../../../harness/kernel/build.rs");
+        let hashed = include_str!("../../../harness/learn/kernel/build.rs");
         assert!(hashed.contains(&format!("= [{}];", names.join(", "))), "{names:?}");
     }
 

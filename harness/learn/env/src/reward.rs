@@ -1,0 +1,233 @@
+//! What a step is worth, as data: `tasks/rewards/*.yaml`.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use vb_files::document::within;
+use vb_files::{Document, Flaw, Schema};
+use vb_score::Outcome;
+
+/// The greatest weight.
+const HEAVIEST: f64 = 1e6;
+
+/// A term of a reward: what is measured of a step, to be multiplied by a weight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Term {
+    /// The name, as in files of weights.
+    pub name: &'static str,
+    /// The unit of what is measured; empty if it has none.
+    pub unit: &'static str,
+    /// What is measured, in words.
+    pub about: &'static str,
+    kind: Kind,
+}
+
+impl Term {
+    /// Whether it is of episodes with this end.
+    pub(crate) fn is_of_end(self, outcome: Outcome) -> bool {
+        self.kind == Kind::End(outcome)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Progress,
+    Approach,
+    Time,
+    Roll,
+    Pitch,
+    Steering,
+    End(Outcome),
+}
+
+const fn term(name: &'static str, unit: &'static str, kind: Kind, about: &'static str) -> Term {
+    Term { name, unit, about, kind }
+}
+
+/// All terms. Lengths are those of the full-size world, times those of a full-size vehicle (Froude's rule).
+pub const TERMS: [Term; 12] = [
+    term(
+        "progress",
+        "m",
+        Kind::Progress,
+        "the way along the global path that was gained; it never counts twice",
+    ),
+    term(
+        "approach",
+        "m",
+        Kind::Approach,
+        "by how much the goal is nearer in the plane; negative where it is farther",
+    ),
+    term("time", "s", Kind::Time, "the time that the step took"),
+    term("roll", "rad s", Kind::Roll, "the size of the roll after the step, times its time"),
+    term("pitch", "rad s", Kind::Pitch, "the size of the pitch after the step, times its time"),
+    term("steering", "", Kind::Steering, "the size of the change of the steering command"),
+    term("success", "", Kind::End(Outcome::Success), "1 at the goal"),
+    term("rollover", "", Kind::End(Outcome::Rollover), "1 if the episode ends on side or roof"),
+    term("stuck", "", Kind::End(Outcome::Stuck), "1 if the episode ends stuck"),
+    term("timeout", "", Kind::End(Outcome::Timeout), "1 if time runs out"),
+    term("out_of_bounds", "", Kind::End(Outcome::OutOfBounds), "1 if the vehicle leaves the world"),
+    term("sim_error", "", Kind::End(Outcome::SimError), "1 if the simulation fails"),
+];
+
+/// A number for each of [`TERMS`].
+pub type Terms = [f64; TERMS.len()];
+
+/// What is measured of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Measured {
+    /// m, of the full-size world.
+    pub(crate) progress: f64,
+    /// m, of the full-size world.
+    pub(crate) approach: f64,
+    /// s, of a full-size vehicle.
+    pub(crate) time: f64,
+    /// rad, with its sign.
+    pub(crate) roll: f64,
+    /// rad, with its sign.
+    pub(crate) pitch: f64,
+    /// The change of the steering command.
+    pub(crate) steering: f64,
+    pub(crate) end: Option<Outcome>,
+}
+
+/// The weights of the terms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reward {
+    /// The name.
+    pub name: String,
+    /// The weight of each of [`TERMS`].
+    pub weights: Terms,
+}
+
+/// A file of weights.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
+    name: String,
+    #[serde(default)]
+    #[allow(dead_code, reason = "for readers of the file")]
+    description: String,
+    weights: BTreeMap<String, f64>,
+}
+
+impl Default for Reward {
+    fn default() -> Self {
+        Self { name: "none".into(), weights: [0.0; TERMS.len()] }
+    }
+}
+
+impl Reward {
+    /// A reward of named weights; the others are 0.
+    ///
+    /// # Errors
+    /// Returns an error for an unknown term, or a weight that is not a number within ±1e6.
+    pub fn new(name: &str, weights: impl IntoIterator<Item = (String, f64)>) -> Result<Self, Flaw> {
+        let mut own = Self { name: name.to_owned(), ..Self::default() };
+        for (name, weight) in weights {
+            let Some(k) = TERMS.iter().position(|t| t.name == name) else {
+                let known = TERMS.map(|t| t.name).join(", ");
+                return Err(Flaw::new("weights", format!("there is no term {name} (there are {known})")));
+            };
+            within(&format!("weights.{name}"), weight, -HEAVIEST, HEAVIEST)?;
+            own.weights[k] = weight;
+        }
+        Ok(own)
+    }
+
+    /// What each term is worth; the reward is their sum, in this order.
+    pub(crate) fn terms(&self, m: &Measured) -> Terms {
+        let mut worth = self.weights;
+        for (worth, term) in worth.iter_mut().zip(TERMS) {
+            let measured = match term.kind {
+                Kind::Progress => m.progress,
+                Kind::Approach => m.approach,
+                Kind::Time => m.time,
+                Kind::Roll => m.roll.abs() * m.time,
+                Kind::Pitch => m.pitch.abs() * m.time,
+                Kind::Steering => m.steering.abs(),
+                Kind::End(outcome) => f64::from(u8::from(m.end == Some(outcome))),
+            };
+            *worth *= measured;
+        }
+        worth
+    }
+}
+
+impl Document for Reward {
+    type File = File;
+    const KIND: &'static str = "reward";
+    const FIELDS: &'static str = "docs/environments.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
+        ("default", include_str!("../../../../tasks/rewards/default.yaml")),
+        ("sparse", include_str!("../../../../tasks/rewards/sparse.yaml")),
+    ];
+
+    fn from_file(file: File) -> Result<Self, Flaw> {
+        Self::new(&file.name, file.weights)
+    }
+}
+
+vb_files::document!(Reward);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worth(reward: &Reward, name: &str, m: &Measured) -> f64 {
+        reward.terms(m)[TERMS.iter().position(|t| t.name == name).unwrap()]
+    }
+
+    #[test]
+    fn those_that_come_with_the_harness_are_valid() {
+        for (name, _) in Reward::BUILTIN {
+            assert_eq!(Reward::resolve(name).unwrap().name, *name);
+        }
+    }
+
+    #[test]
+    fn a_term_is_its_weight_times_what_was_measured() {
+        let reward = Reward::new("mine", TERMS.map(|t| (t.name.to_owned(), 2.0))).unwrap();
+        let m = Measured {
+            progress: 0.5,
+            approach: -0.25,
+            time: 0.1,
+            roll: -0.3,
+            pitch: 0.2,
+            steering: -0.4,
+            end: Some(Outcome::Stuck),
+        };
+        let expected = [
+            ("progress", 1.0),
+            ("approach", -0.5),
+            ("time", 0.2),
+            ("roll", 0.06),
+            ("pitch", 0.04),
+            ("steering", 0.8),
+            ("success", 0.0),
+            ("stuck", 2.0),
+        ];
+        for (name, value) in expected {
+            assert!((worth(&reward, name, &m) - value).abs() < 1e-12, "{name}");
+        }
+    }
+
+    #[test]
+    fn flaws_are_told_with_file_field_and_value() {
+        let told = |text: &str| Reward::parse(text, "mine.yaml").unwrap_err().to_string();
+        let of = |weights: &str| told(&format!("schema: 1\nname: mine\nweights: {weights}\n"));
+        assert!(
+            of("{succes: 1}").starts_with("mine.yaml: weights: there is no term succes (there are progress,")
+        );
+        assert!(of("{success: .nan}").contains("weights.success: NaN must lie in"));
+        assert!(of("{success: 1e9}").contains("weights.success: 1000000000 must lie in"));
+        assert!(of("{success: much}").contains("much"));
+        assert!(told("schema: 2\nname: x\nweights: {}\n").contains("version 2 is not supported"));
+        let missing = Reward::resolve("nowhere.yaml").unwrap_err().to_string();
+        assert!(
+            missing.starts_with("cannot read reward nowhere.yaml: ") && missing.contains("default, sparse")
+        );
+    }
+}

@@ -1,0 +1,10 @@
+//! Version 0.2 of the interface.
+
+#[rustfmt::skip]
+mod convert;
+
+#[allow(unreachable_pub, clippy::all)]
+pub(super) mod bindings {
+    //! The types generated from the interface's text.
+    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../../sdk/wit/v0_2" });
+}
