@@ -95,9 +95,13 @@ mod tests {
             CHECKED.into_iter().chain(["vb-unify"]).flat_map(|name| ["--package", name]).collect();
         let harness = ["--package", "vb-harness"];
         let module = ["--package", "vb-python"];
+        // Single crates, as CONTRIBUTING.md has their tests run.
+        let single =
+            ["vb-dataset", "vb-film", "vb-host", "vb-report"].map(|name| ["--package", "vb-unify", "--package", name]);
         // Those that are part of a program, and all with those that only run while it is built.
         for edges in ["normal,no-proc-macro", "normal,build"] {
-            for selection in [&harness[..], &module, &checked] {
+            let single = single.iter().map(|one| &one[..]);
+            for selection in [&harness[..], &module, &checked].into_iter().chain(single) {
                 let apart = apart(selection, edges);
                 assert!(
                     apart.is_empty(),

@@ -3,14 +3,47 @@
 use std::path::Path;
 use std::process::Command;
 
-#[test]
-fn the_table_of_crates_has_each_with_its_folder_and_what_it_depends_on() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+/// The folders of the harness from the bottom up, as ARCHITECTURE.md has them.
+const LAYERS: [&str; 6] = ["base", "model", "run", "show", "make", "learn"];
+
+/// What cargo tells of the workspace.
+fn metadata(root: &Path) -> serde_json::Value {
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["metadata", "--no-deps", "--format-version", "1", "--offline"]).current_dir(root);
     let told = cargo.output().unwrap();
     assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
-    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    serde_json::from_slice(&told.stdout).unwrap()
+}
+
+#[test]
+fn folders_of_the_harness_depend_downwards_only() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let told = metadata(root);
+    // The place of a folder below `harness` in the list; front ends are above all.
+    let layer = |folder: &Path| -> Option<usize> {
+        let below = folder.strip_prefix(root.join("harness")).ok()?;
+        let role = below.components().next()?.as_os_str().to_str()?;
+        Some(LAYERS.iter().position(|known| *known == role).unwrap_or(LAYERS.len()))
+    };
+    let mut seen = [0; LAYERS.len() + 1];
+    for package in told["packages"].as_array().unwrap() {
+        let Some(own) = layer(Path::new(package["manifest_path"].as_str().unwrap())) else { continue };
+        seen[own] += 1;
+        for dependency in package["dependencies"].as_array().unwrap() {
+            if let Some(other) = dependency["path"].as_str().and_then(|path| layer(Path::new(path))) {
+                let (name, on) = (package["name"].as_str().unwrap(), dependency["name"].as_str().unwrap());
+                assert!(dependency["kind"] == "dev" || other <= own, "{name} is below {on}, which it uses");
+            }
+        }
+    }
+    assert!(seen.iter().all(|crates| *crates > 0), "{seen:?}");
+    assert_eq!(seen[LAYERS.len()], 2, "crates beside the layers are the front ends cli and python");
+}
+
+#[test]
+fn the_table_of_crates_has_each_with_its_folder_and_what_it_depends_on() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let told = metadata(root);
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
     let mut crates = 0;
     for package in told["packages"].as_array().unwrap() {

@@ -27,6 +27,8 @@ fn text(t: &str) -> String {
             '…' => out.push_str("\\dots{}"),
             '\u{2009}' => out.push_str("\\,"),
             '\u{a0}' => out.push('~'),
+            // In the place of what isn't printable; LaTeX's fonts lack it.
+            '\u{fffd}' => {}
             // Behind the end of a row `[` and `*` would belong to it, and `--` would be one dash.
             '[' | ']' | '*' | '-' | '"' | '\'' => {
                 out.push('{');

@@ -110,7 +110,7 @@ mod tests {
         // Helvetica's a is 0.556 em wide, and its ellipsis 1 em.
         assert_eq!(fit("aaaa", 10.0, 22.3 * SLACK), "aaaa");
         assert_eq!(fit("aaaaa", 10.0, 22.3 * SLACK), "aa…");
-        assert_eq!(fit("a\u{202e}\nb", 10.0, 100.0), "a b");
+        assert_eq!(fit("a\u{202e}\nb", 10.0, 100.0), "a\u{fffd} b");
         assert_eq!(fit("abc", 10.0, 1.0), "…");
     }
 
