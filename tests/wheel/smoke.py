@@ -1,6 +1,6 @@
 """Installs the wheel in a fresh virtual environment and tests it without Rust and without a checkout.
 
-`cargo xtask wheel --check` runs it; it can also be run with `python3 tests/wheel/smoke.py target/wheels/vertibench-*.whl`. It needs
+`cargo xtask wheel --check` runs it; it can also be run with `python3 tests/wheel/smoke.py target/wheels/verti_bench-*.whl`. It needs
 Python and pip, which fetches the dependencies. A check is a function with the argument `Installed`, in the list at the end.
 """
 
@@ -64,7 +64,7 @@ def versions(package: Installed) -> None:
     """Program, module and package are of one version."""
     version = package.python("import vertibench; print(vertibench.__version__)").strip()
     assert package.python("import vertibench._native as n; print(n.version())").strip() == version
-    metadata = "import importlib.metadata as m; print(m.version('vertibench'))"
+    metadata = "import importlib.metadata as m; print(m.version('verti-bench'))"
     assert package.python(metadata).strip() == version
     for command in (["vertibench"], ["python", "-m", "vertibench"]):
         told = package.run(*command, "--version")

@@ -207,7 +207,7 @@ def test_without_torch_the_extra_is_told(envs, command, tmp_path):
     code = "import sys; sys.modules['torch'] = None; from vertibench.training.__main__ import main; sys.exit(main(sys.argv[1:]))"
     done = subprocess.run([sys.executable, "-c", code, *command], cwd=tmp_path, capture_output=True, text=True, check=False, env=_path())
     assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.endswith("(pip install 'vertibench[train]')\n")
+    assert done.stderr.endswith("(pip install 'verti-bench[train]')\n")
 
 
 def _path():

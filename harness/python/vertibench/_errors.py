@@ -53,7 +53,7 @@ class MissingPackageError(VertibenchError, ImportError):
     """
 
     def __init__(self, package: str, what_for: str, extra: str | None = None):
-        to_do = f"pip install 'vertibench[{extra}]'" if extra else f"pip install {package}"
+        to_do = f"pip install 'verti-bench[{extra}]'" if extra else f"pip install {package}"
         super().__init__(package, f"not installed, but required for {what_for}", to_do)
 
 

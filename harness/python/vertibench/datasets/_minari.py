@@ -143,7 +143,7 @@ def _environment(dataset: Dataset) -> Any:
 def _missing(e: ImportError) -> DatasetError:
     # If h5py is missing, Minari raises errors without a name.
     what = e.name or str(e)
-    return DatasetError("to_minari", f"a package is not installed: {what}", "pip install 'vertibench[minari]'")
+    return DatasetError("to_minari", f"a package is not installed: {what}", "pip install 'verti-bench[minari]'")
 
 
 def _buffer(kind: Any, episode: Episode, frames: dict[str, np.ndarray], seen: list[str], told: list[str]) -> Any:

@@ -8,7 +8,7 @@ The command line trains with stable-baselines3 (SAC, or PPO with `algorithm: ppo
 - `evaluate` measures success, `curves` plots it over steps, `card` compares policies
 
 All settings are in a YAML file, `tasks/training/policy.yaml` by default. docs/training.md is a step-by-step guide. The
-names of this module don't need stable-baselines3 and torch; training needs them (`pip install 'vertibench[train]'`).
+names of this module don't need stable-baselines3 and torch; training needs them (`pip install 'verti-bench[train]'`).
 
 >>> from vertibench.training import package, read_config
 >>> config = read_config("policy", {"sac.batch": "512"})
