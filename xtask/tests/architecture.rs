@@ -65,6 +65,6 @@ fn the_table_of_crates_has_each_with_its_folder_and_what_it_depends_on() {
         let has = text.lines().any(|row| row.starts_with(&begin) && row.ends_with(&end));
         assert!(has, "ARCHITECTURE.md wants a row: {begin}… {end}");
     }
-    let rows = text.lines().filter(|l| l.starts_with("| `")).count();
+    let rows = text.lines().filter(|l| l.starts_with("| `vb-") || l.starts_with("| `xtask`")).count();
     assert_eq!(rows, crates, "the table has a row of a crate that is no more");
 }
