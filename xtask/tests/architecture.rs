@@ -10,9 +10,9 @@ const LAYERS: [&str; 6] = ["base", "model", "run", "show", "make", "learn"];
 fn metadata(root: &Path) -> serde_json::Value {
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args(["metadata", "--no-deps", "--format-version", "1", "--offline"]).current_dir(root);
-    let told = cargo.output().unwrap();
+    let told = cargo.output().expect("cargo runs");
     assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
-    serde_json::from_slice(&told.stdout).unwrap()
+    serde_json::from_slice(&told.stdout).expect("cargo tells JSON")
 }
 
 #[test]
