@@ -2,7 +2,7 @@
 
 use vb_catalog::CatalogError;
 use vb_dataset::DatasetError;
-use vb_film::FilmError;
+use vb_replay::film::FilmError;
 use vb_host::LoadError;
 use vb_record::StoreError;
 use vb_report::ReportError;
@@ -10,7 +10,7 @@ use vb_runner::conformance::KitError;
 use vb_runner::{MergeError, RunError};
 use vb_submission::SubmissionError;
 use vb_suite::generate::GenerateError;
-use vb_suite_report::proof::ProofError;
+use vb_suite::proof::ProofError;
 use vb_trial::TrialError;
 use vb_validate::ValidateError;
 use vb_world::SuiteError;

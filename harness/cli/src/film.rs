@@ -3,7 +3,7 @@
 use std::io::IsTerminal as _;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use vb_film::{Camera, Course, Film, Schedule, Style, VideoFormat, write_picture, write_video};
+use vb_replay::film::{Camera, Course, Film, Schedule, Style, VideoFormat, write_picture, write_video};
 use vb_render::Size;
 use vb_replay::Replay;
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use vb_score::Outcome;
-use vb_sweep::RunState;
+use vb_runner::sweep::RunState;
 
 use super::Sweep;
 use crate::args::SweepArgs;
