@@ -141,7 +141,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn hmmwv() -> VehicleSpec {
-        VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv.yaml").unwrap()
+        VehicleSpec::parse(include_str!("../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv.yaml")
+            .unwrap()
     }
 
     fn references() -> References {

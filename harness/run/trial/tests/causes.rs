@@ -54,7 +54,12 @@ impl Scene {
     /// On firm ground with this friction.
     fn new(friction: f64, height: impl Fn(f64, f64) -> f64, hand: fn(&Observation) -> Command) -> Self {
         let world = World::uniform("scene", ground(height), TerrainClass::Gravel, friction);
-        Self { world, vehicle: include_str!("../../../../tasks/vehicles/hmmwv.yaml"), start: [0.0, 0.0], hand }
+        Self {
+            world,
+            vehicle: include_str!("../../../../tasks/vehicles/hmmwv.yaml"),
+            start: [0.0, 0.0],
+            hand,
+        }
     }
 
     fn from(self, x: f64, y: f64) -> Self {

@@ -8,9 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use vb_replay::film::{Camera, Course, Film, FilmError, Schedule, Style, write_picture, write_video};
 use vb_record::Sample;
 use vb_render::{Moment, Painter, Size, View};
+use vb_replay::film::{Camera, Course, Film, FilmError, Schedule, Style, write_picture, write_video};
 use vb_replay::{Motion, PlannerSeries, Repeat, Replay, ReplayRun, Rut, Sensed, WheelFrame};
 use vb_score::{Outcome, TaskRecord};
 use vb_sim::{Gear, VehicleState, WheelState};

@@ -388,7 +388,11 @@ fn the_bundle_is_made_of_the_sources_beside_it() {
     let hash: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
     let bundle = std::fs::read_to_string(web.join("../assets/replay.min.js")).unwrap();
     let told = bundle.lines().next().unwrap();
-    assert_eq!(told, format!("/* sources {hash} */"), "run `npm ci && npm run build` in harness/show/replay/web");
+    assert_eq!(
+        told,
+        format!("/* sources {hash} */"),
+        "run `npm ci && npm run build` in harness/show/replay/web"
+    );
     assert!(bundle.contains("The MIT License") && bundle.contains("three.js authors"));
     assert!(bundle.contains("fflate - fast JavaScript compression/decompression"));
 }

@@ -2,9 +2,9 @@
 
 use super::summary::{Summary, Tally};
 use crate::clearance::Footprints;
+use crate::path;
 use serde::Serialize;
 use vb_math::{angle::degrees, atan, hypot};
-use crate::path;
 use vb_world::{
     Density, Elevation, Heightfield, Obstacle, ObstacleKind, SoilLevel, Task, Terrain, TerrainClass, World,
 };

@@ -1,9 +1,9 @@
 //! Labels against what the world is.
 
 use super::{Findings, Rule};
-use crate::statistics::WorldStatistics;
 use crate::generate::GeneratorParams;
 use crate::site::spread;
+use crate::statistics::WorldStatistics;
 use vb_world::{Density, Elevation, Part, World};
 
 /// How far the spread of heights, by which the slopes are as they are, may be from that of its level, as a factor. Worlds of the original stay within 1.35 of

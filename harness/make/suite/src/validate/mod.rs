@@ -14,11 +14,11 @@ mod tests;
 pub use footprint::Vehicle;
 
 use crate::clearance::Footprints;
+use crate::generate::GeneratorParams;
 use duplicates::Fingerprints;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use crate::generate::GeneratorParams;
 use vb_world::{Part, Suite, SuiteMeta, World};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -62,7 +62,8 @@ fn a_ray_ends_on_the_floor_and_the_walls_of_ruts_and_on_heaps() {
 #[test]
 fn the_wheels_of_a_vehicle_leave_ruts_that_its_lidar_sees() {
     let world = Arc::new(World::uniform("w", Heightfield::flat(129, 129, 1.0, 0.0), TerrainClass::Mud, 0.0));
-    let soils = SoilSet::parse(include_str!("../../../../../tasks/soils/default.yaml"), "default.yaml").unwrap();
+    let soils =
+        SoilSet::parse(include_str!("../../../../../tasks/soils/default.yaml"), "default.yaml").unwrap();
     let model = VehicleModel::new(hmmwv()).unwrap();
     let start = Pose2 { x: -20.0, y: 0.0, yaw: 0.0 };
     let mut sim = Simulation::new(world.clone(), &model, &soils, start, SimOptions::default()).unwrap();

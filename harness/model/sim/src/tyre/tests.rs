@@ -8,7 +8,8 @@ use vb_world::Heightfield;
 
 /// The HMMWV's tyres, by name.
 fn tyres() -> Vec<(String, TyreSpec)> {
-    let v = VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
+    let v =
+        VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv.yaml"), "hmmwv.yaml").unwrap();
     let mut all: Vec<_> = v.tyres.into_iter().collect();
     all.push((v.tyre.model().to_owned(), v.tyre));
     all

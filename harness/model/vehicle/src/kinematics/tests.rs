@@ -59,7 +59,8 @@ fn parallel_wishbones_of_equal_length_keep_camber_and_toe_and_move_on_a_circle()
 #[test]
 fn five_rods_at_the_joints_of_a_double_wishbone_move_the_wheel_as_the_wishbones_do() {
     let wishbones =
-        VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv").unwrap();
+        VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv")
+            .unwrap();
     let mut rods = wishbones.axles[0].clone();
     let Linkage::DoubleWishbone(l) = &rods.suspension.linkage else { panic!("wishbones") };
     let rod = |chassis, carrier| crate::suspension::Rod { chassis, carrier };
@@ -274,8 +275,8 @@ fn a_leaf_springs_axle_moves_on_the_arc_of_its_effective_link_and_rolls_about_it
 
 #[test]
 fn rates_are_the_derivatives_of_the_positions() {
-    let v =
-        VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv").unwrap();
+    let v = VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/hmmwv-released.yaml"), "hmmwv")
+        .unwrap();
     let wheel = AxleKinematics::solve(&v.axles[0]).unwrap();
     let beam = AxleKinematics::solve(&solid_axle(0.65)).unwrap();
     let straight = AxleKinematics::solve(&unsteered(solid_axle(0.65))).unwrap();

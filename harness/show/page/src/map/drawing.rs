@@ -1,9 +1,9 @@
 //! A world as SVG in metres: pictures of the ground, footprints, paths, starts and goals.
 
+use crate::escape;
 use crate::map::picture::Sources;
 use std::fmt::Write as _;
 use vb_math::{hypot, sin_cos};
-use crate::escape;
 use vb_world::{ObstacleKind, Task, World};
 
 /// How far waypoints may lie from the drawn line, m: less than one sees.

@@ -67,7 +67,8 @@ mod tests {
 
     #[test]
     fn the_camera_takes_jolts_out_and_keeps_clear_of_the_ground() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../tasks/vehicles/hmmwv.yaml");
+        let file =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../tasks/vehicles/hmmwv.yaml");
         let spec = VehicleSpec::parse(&std::fs::read_to_string(file).unwrap(), "hmmwv").unwrap();
         let model = VehicleModel::new(spec).unwrap();
         // A ridge behind which the eye must rise.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::{RUN_COLOURS, Replay};
 use vb_figure::Overlay;
 use vb_render::{Painter, Size};
-use crate::{RUN_COLOURS, Replay};
 use vb_vehicle::VehicleModel;
 use vb_world::TaskId;
 

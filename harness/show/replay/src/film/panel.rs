@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::{ReplayRun, attitude};
 use vb_math::{angle::degrees, hypot};
 use vb_render::{Moment, Painter, RenderError, Sight, Size, View};
-use crate::{ReplayRun, attitude};
 use vb_score::Outcome;
 use vb_sim::{Gear, VehicleState, WheelState};
 use vb_world::World;
