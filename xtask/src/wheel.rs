@@ -48,7 +48,7 @@ pub(crate) fn wheel(args: &[&str]) -> Result<(), Failure> {
             crate::built("vb-harness")
         }
         // Without the tasks within it, which lie beside it.
-        Some(target) => portable::program(target, &tools, &["--no-default-features"])?,
+        Some(target) => portable::program(target, &tools, &["--no-default-features", "--features", "full"])?,
     };
     let folder = crate::target_dir().join("wheel");
     stage(&folder, &program, kernels.as_deref(), &target.clone().map_or_else(host, Ok)?)?;

@@ -1,16 +1,18 @@
 //! The exit code of each error of the libraries. Every variant is named, so that a new one is put where it belongs.
 
 use vb_catalog::CatalogError;
+#[cfg(feature = "dataset")]
 use vb_dataset::DatasetError;
-use vb_film::FilmError;
 use vb_host::LoadError;
 use vb_record::StoreError;
+#[cfg(feature = "replay")]
+use vb_replay::film::FilmError;
 use vb_report::ReportError;
 use vb_runner::conformance::KitError;
 use vb_runner::{MergeError, RunError};
 use vb_submission::SubmissionError;
 use vb_suite::generate::GenerateError;
-use vb_suite_report::proof::ProofError;
+use vb_suite::proof::ProofError;
 use vb_trial::TrialError;
 use vb_validate::ValidateError;
 use vb_world::SuiteError;
@@ -138,6 +140,7 @@ impl From<KitError> for CliError {
     }
 }
 
+#[cfg(feature = "dataset")]
 impl From<DatasetError> for CliError {
     fn from(e: DatasetError) -> Self {
         match e {
@@ -210,6 +213,7 @@ impl From<SubmissionError> for CliError {
     }
 }
 
+#[cfg(feature = "replay")]
 impl From<FilmError> for CliError {
     fn from(e: FilmError) -> Self {
         match e {

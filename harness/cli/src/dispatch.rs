@@ -24,7 +24,9 @@ impl Command {
             Self::Sweep(command) => command.run(),
             Self::Score(args) => crate::score::score(args),
             Self::Report(args) => crate::report::report(args),
+            #[cfg(feature = "replay")]
             Self::Replay(args) => crate::replay::replay(args),
+            #[cfg(feature = "dataset")]
             Self::Dataset(command) => command.run(),
             Self::Submit(args) => crate::submission::submit(args),
             Self::Verify(args) => crate::submission::verify(args),

@@ -3,9 +3,9 @@
 use std::io::IsTerminal as _;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use vb_film::{Camera, Course, Film, Schedule, Style, VideoFormat, write_picture, write_video};
 use vb_render::Size;
 use vb_replay::Replay;
+use vb_replay::film::{Camera, Course, Film, Schedule, Style, VideoFormat, write_picture, write_video};
 
 use crate::args::{CameraName, FilmArgs, JobsArgs, MessageFormat};
 use crate::error::CliError;

@@ -10,7 +10,7 @@ use vb_world::Provenance;
 
 use crate::error::CliError;
 use crate::output;
-use crate::replay::suite_of;
+use crate::places::suite_of;
 
 /// Decimals of a degree: a centimetre.
 const DECIMALS: f64 = 1e7;

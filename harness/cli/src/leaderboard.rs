@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_replay::Links;
 use vb_report::Runs;
 use vb_submission::SubmissionError;
 use vb_submission::leaderboard::{self, Entry};
@@ -12,8 +11,8 @@ use vb_world::{Suite, TaskId};
 
 use crate::args::{BuildArgs, LeaderboardCommand, MessageFormat, ReplayData};
 use crate::error::CliError;
-use crate::output;
-use crate::replay::{Player, Senses, suite_of};
+use crate::places::suite_of;
+use crate::{output, replay};
 
 /// The file that makes a folder a submission.
 const MANIFEST: &str = "submission.json";
@@ -98,24 +97,12 @@ impl leaderboard::Source for Shown<'_> {
 
 fn replays(entry: &Entry, runs: &Runs, out: &Path, site: &Path) -> Result<BTreeSet<TaskId>, CliError> {
     let tasks: BTreeSet<TaskId> = entry.manifest.replays.iter().cloned().collect();
-    let mut made = BTreeSet::new();
     if tasks.is_empty() {
-        return Ok(made);
+        return Ok(tasks);
     }
-    let mut player = Player::new(runs, &ReplayData::default(), Senses::default(), &tasks)?;
-    let tasks = player.done(&tasks);
-    output::create_dir(site)?;
-    output::write(&site.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
     // From entries/ENTRY/replays/WORLD/TASK.html.
-    let script = format!("../../../../{}", vb_replay::SCRIPT_FILE);
-    for (task, links) in tasks.iter().zip(Links::of_report(leaderboard::REPORT, &tasks)) {
-        let Some(replay) = player.replay(task)? else { continue };
-        let path = out.join(format!("{task}.html"));
-        path.parent().map_or(Ok(()), output::create_dir)?;
-        output::write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
-        made.insert(task.clone());
-    }
-    Ok(made)
+    let script = (site, "../../../..");
+    replay::pages(runs, &ReplayData::default(), &tasks, leaderboard::REPORT, out, script)
 }
 
 #[cfg(test)]

@@ -3,9 +3,11 @@
 mod args;
 mod causes;
 mod check;
+#[cfg(feature = "dataset")]
 mod dataset;
 mod dispatch;
 mod error;
+#[cfg(feature = "replay")]
 mod film;
 mod geojson;
 mod inspect;
@@ -17,6 +19,7 @@ mod places;
 mod planner;
 mod plugin;
 mod progress;
+#[cfg_attr(not(feature = "replay"), path = "without_replay.rs")]
 mod replay;
 mod report;
 mod run;
@@ -67,6 +70,14 @@ fn report_large_files() {
 
 #[cfg(not(unix))]
 fn report_large_files() {}
+
+/// What is said where a part of the program was left out of it (features in `Cargo.toml`).
+fn missing(what: &str, feature: &str) -> String {
+    format!(
+        "{what} are not part of this program, which was built without the feature {feature} (build all of it with `cargo build --release \
+         --package vb-harness`)"
+    )
+}
 
 fn failed(e: &error::CliError) -> ExitCode {
     if !e.is_told() {
@@ -127,6 +138,14 @@ fn is_of_planner(e: &clap::Error) -> bool {
 fn meant(text: &str, given: &[String]) -> Option<String> {
     let unknown = |kind: &str| text.strip_prefix(kind).and_then(|rest| Some(rest.split_once('\'')?.0));
     let is_planner = |name: &&str| [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
+    let left_out = |name: &&str| {
+        *name == "dataset" && cfg!(not(feature = "dataset"))
+            || *name == "replay" && cfg!(not(feature = "replay"))
+            || *name == "teleop" && cfg!(not(feature = "teleop"))
+    };
+    if let Some(name) = unknown("unrecognized subcommand '").filter(left_out) {
+        return Some(missing("its commands", name));
+    }
     if let Some(planner) = unknown("unrecognized subcommand '").filter(is_planner) {
         return Some(format!("a planner is run by: vb-harness run {planner}"));
     }

@@ -10,7 +10,7 @@ use vb_world::TaskId;
 
 use crate::args::{MergeRunArgs, MessageFormat};
 use crate::error::CliError;
-use crate::{output, replay};
+use crate::{output, places};
 
 /// So many tasks are named in a message.
 const NAMED: usize = 10;
@@ -36,7 +36,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
     shards.sort();
     shards.dedup();
     let first = RunReader::open(&shards[0]).map_err(CliError::input)?;
-    let suite = replay::suite_of(first.header(), args.suite.as_deref())?;
+    let suite = places::suite_of(first.header(), args.suite.as_deref())?;
     let merged = vb_runner::merge(&shards, &suite, &args.out)?;
     let summary = &merged.summary;
     match args.format.get() {

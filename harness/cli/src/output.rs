@@ -10,7 +10,6 @@ use clap::ColorChoice;
 use serde::Serialize;
 use vb_files::NewFile;
 use vb_record::RunReader;
-use vb_replay::{Replay, write_mcap};
 use vb_score::Outcome;
 
 use crate::args::{ForceArgs, GlobalArgs};
@@ -100,14 +99,6 @@ pub(crate) fn json<T: Serialize>(value: &T) {
 /// Writes a file whole or not at all.
 pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
     whole(path, |file| file.write_all(content.as_ref()).map_err(|e| unwritten(path, &e)))
-}
-
-/// Writes a replay for Foxglove.
-pub(crate) fn mcap(path: &Path, replay: &Replay) -> Result<(), CliError> {
-    whole(path, |file| {
-        let file = file.try_clone().map_err(|e| unwritten(path, &e))?;
-        write_mcap(replay, file, path).map_err(CliError::output)
-    })
 }
 
 /// Lets somebody write a file, which is there as a whole or not at all: what was there before stays until then. A pipe or a device
@@ -232,7 +223,7 @@ pub(crate) fn create_dir(path: &Path) -> Result<(), CliError> {
 }
 
 /// Why a file or a folder isn't there.
-fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
+pub(crate) fn unwritten(path: &Path, e: &std::io::Error) -> CliError {
     CliError::output(format!("cannot write {}: {e}", path.display()))
 }
 

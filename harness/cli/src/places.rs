@@ -3,6 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use vb_catalog::{Catalog, planner_dirs};
+use vb_record::RunHeader;
+use vb_world::Suite;
+
+use crate::error::CliError;
 
 /// What comes with the harness.
 pub(crate) fn catalog() -> Catalog {
@@ -13,6 +17,33 @@ pub(crate) fn catalog() -> Catalog {
         hash: env!("VB_TASKS_HASH"),
     });
     found
+}
+
+/// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.
+pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
+    let places = match wanted {
+        Some(dir) => vec![catalog().suite(Some(dir))?],
+        None => {
+            let named = catalog().suites().unwrap_or_default();
+            let named = named.into_iter().filter(|p| p.file_name().is_some_and(|n| *n == *header.suite.name));
+            // A submission doesn't say where its suite was.
+            let own = Some(PathBuf::from(&header.suite.path)).filter(|p| !p.as_os_str().is_empty());
+            own.into_iter().chain(named).collect()
+        }
+    };
+    let opened = places.iter().filter_map(|p| Suite::open(p).ok());
+    opened.into_iter().find(|s| s.hash() == header.suite.hash).ok_or_else(|| {
+        let looked: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
+        let place = match looked.is_empty() {
+            true => "among those that come with the harness".to_owned(),
+            false => format!("at {}", looked.join(" nor at ")),
+        };
+        CliError::input(format!(
+            "suite {} of the run (hash {}) is not {place} (name its folder with --suite)",
+            header.suite.name,
+            header.suite.hash.get(..12).unwrap_or(&header.suite.hash),
+        ))
+    })
 }
 
 /// The folder of the SDK in the checkout that the built-in tasks lie in.

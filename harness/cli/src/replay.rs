@@ -7,7 +7,8 @@ use std::sync::Arc;
 use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_replay::{
-    Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, Sensed, Sensors, Setting, page,
+    Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, SCRIPT_FILE, Sensed, Sensors,
+    Setting, page, write_mcap,
 };
 use vb_report::Runs;
 use vb_score::{Rules, TaskRecord};
@@ -19,7 +20,8 @@ use vb_world::{Suite, TaskId, World};
 
 use crate::args::{MessageFormat, ReplayArgs, ReplayData};
 use crate::error::CliError;
-use crate::{film, output, places};
+use crate::places::{self, suite_of};
+use crate::{film, output};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -70,7 +72,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         ));
     }
     if let Some(path) = &args.mcap {
-        output::mcap(path, &replay)?;
+        mcap(path, &replay)?;
     }
     if filmed {
         film::write(&replay, &args.film, args.format.get())?;
@@ -125,6 +127,40 @@ pub(crate) fn open(path: &Path) {
     }
 }
 
+/// Writes replays of those of the tasks that all runs have done, as `WORLD/TASK.html` in a folder, and returns their names. They link to the
+/// page `report` of their runs. The script that all share goes to the folder `script_in`; `script` is the way there from a replay.
+pub(crate) fn pages(
+    runs: &Runs,
+    data: &ReplayData,
+    tasks: &BTreeSet<TaskId>,
+    report: &str,
+    folder: &Path,
+    (script_in, script): (&Path, &str),
+) -> Result<BTreeSet<TaskId>, CliError> {
+    let mut player = Player::new(runs, data, Senses::default(), tasks)?;
+    let tasks = player.done(tasks);
+    output::create_dir(script_in)?;
+    output::write(&script_in.join(SCRIPT_FILE), vb_replay::script())?;
+    let script = format!("{script}/{SCRIPT_FILE}");
+    let mut made = BTreeSet::new();
+    for (task, links) in tasks.iter().zip(Links::of_report(report, &tasks)) {
+        let Some(replay) = player.replay(task)? else { continue };
+        let path = folder.join(format!("{task}.html"));
+        path.parent().map_or(Ok(()), output::create_dir)?;
+        output::write(&path, page(&replay, &links, Some(&script)))?;
+        made.insert(task.clone());
+    }
+    Ok(made)
+}
+
+/// Writes a replay for Foxglove.
+pub(crate) fn mcap(path: &Path, replay: &Replay) -> Result<(), CliError> {
+    output::whole(path, |file| {
+        let file = file.try_clone().map_err(|e| output::unwritten(path, &e))?;
+        write_mcap(replay, file, path).map_err(CliError::output)
+    })
+}
+
 /// A run with what its simulations take.
 struct Part {
     header: RunHeader,
@@ -141,7 +177,7 @@ struct Part {
 
 /// What is shown of sensors.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Senses<'a> {
+struct Senses<'a> {
     /// The sensors; those that the planner had if it isn't said.
     sensors: Option<&'a [String]>,
     /// The profile; that of the run if it isn't said.
@@ -199,7 +235,7 @@ impl Part {
 }
 
 /// Makes replays of tasks.
-pub(crate) struct Player {
+struct Player {
     suite: Suite,
     parts: Vec<Part>,
     world: Option<Arc<World>>,
@@ -207,7 +243,7 @@ pub(crate) struct Player {
 
 impl Player {
     /// Opens what replays of `tasks` take.
-    pub(crate) fn new(
+    fn new(
         runs: &Runs,
         data: &ReplayData,
         senses: Senses<'_>,
@@ -229,19 +265,14 @@ impl Player {
         Ok(Self { suite, parts, world: None })
     }
 
-    /// The suite of the runs.
-    pub(crate) fn suite(&self) -> &Suite {
-        &self.suite
-    }
-
     /// Those of the tasks that all runs have done, in their order.
-    pub(crate) fn done<'a>(&self, tasks: impl IntoIterator<Item = &'a TaskId>) -> Vec<TaskId> {
+    fn done<'a>(&self, tasks: impl IntoIterator<Item = &'a TaskId>) -> Vec<TaskId> {
         let all = |task: &&TaskId| self.parts.iter().all(|p| p.records.contains_key(*task));
         tasks.into_iter().filter(all).cloned().collect()
     }
 
     /// The replay of one of the tasks; none if a run hasn't done it.
-    pub(crate) fn replay(&mut self, task: &TaskId) -> Result<Option<Replay>, CliError> {
+    fn replay(&mut self, task: &TaskId) -> Result<Option<Replay>, CliError> {
         if self.parts.iter().any(|p| !p.records.contains_key(task)) {
             return Ok(None);
         }
@@ -307,33 +338,6 @@ impl Player {
             runs,
         }))
     }
-}
-
-/// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.
-pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suite, CliError> {
-    let places = match wanted {
-        Some(dir) => vec![places::catalog().suite(Some(dir))?],
-        None => {
-            let named = places::catalog().suites().unwrap_or_default();
-            let named = named.into_iter().filter(|p| p.file_name().is_some_and(|n| *n == *header.suite.name));
-            // A submission doesn't say where its suite was.
-            let own = Some(PathBuf::from(&header.suite.path)).filter(|p| !p.as_os_str().is_empty());
-            own.into_iter().chain(named).collect()
-        }
-    };
-    let opened = places.iter().filter_map(|p| Suite::open(p).ok());
-    opened.into_iter().find(|s| s.hash() == header.suite.hash).ok_or_else(|| {
-        let looked: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
-        let place = match looked.is_empty() {
-            true => "among those that come with the harness".to_owned(),
-            false => format!("at {}", looked.join(" nor at ")),
-        };
-        CliError::input(format!(
-            "suite {} of the run (hash {}) is not {place} (name its folder with --suite)",
-            header.suite.name,
-            header.suite.hash.get(..12).unwrap_or(&header.suite.hash),
-        ))
-    })
 }
 
 fn part(

@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_figure::Figure;
-use vb_replay::Links;
 use vb_report::{Beside, MapLinks, Paper, Report, Runs, write_csv, write_parquet};
 use vb_world::{Suite, TaskId, World};
 
 use crate::args::{MessageFormat, ReportArgs};
 use crate::error::CliError;
-use crate::replay::{Player, Senses, suite_of};
-use crate::{geojson, output, suite};
+use crate::places::suite_of;
+use crate::{geojson, output, replay, suite};
 
 /// The report's file.
 const PAGE: &str = "index.html";
 /// Dots per inch of figures as PNG: what journals want of pictures.
+#[cfg(feature = "print")]
 const DPI: f64 = 300.0;
 
 #[derive(Serialize)]
@@ -166,8 +166,14 @@ fn figures(report: &Report, args: &ReportArgs, paper: &Paper, dir: &Path) -> Res
     }
     for (name, figure) in &figures {
         keep(name, "svg", figure.svg().as_bytes())?;
-        keep(name, "pdf", &figure.pdf().map_err(CliError::output)?)?;
-        keep(name, "png", &figure.png(DPI).map_err(CliError::output)?)?;
+        #[cfg(feature = "print")]
+        {
+            keep(name, "pdf", &figure.pdf().map_err(CliError::output)?)?;
+            keep(name, "png", &figure.png(DPI).map_err(CliError::output)?)?;
+        }
+    }
+    if cfg!(not(feature = "print")) {
+        output::say(&crate::missing("PDF and PNG files", "print"));
     }
     for (name, table) in report.latex() {
         keep(name, "tex", table.as_bytes())?;
@@ -183,26 +189,10 @@ fn replays(
     selector: &str,
     out: &Path,
 ) -> Result<BTreeSet<TaskId>, CliError> {
-    let player = Player::new(report.runs(), &args.data, Senses::default(), &BTreeSet::new())?;
-    let chosen: BTreeSet<TaskId> = suite::select(player.suite(), Some(selector))?.into_iter().collect();
-    let mut player = Player::new(report.runs(), &args.data, Senses::default(), &chosen)?;
-    let mut made = BTreeSet::new();
-    let tasks = player.done(&chosen);
+    let suite = suite_of(&report.runs().runs[0].header, args.data.suite.as_deref())?;
+    let chosen: BTreeSet<TaskId> = suite::select(&suite, Some(selector))?.into_iter().collect();
     let folder = out.join("replays");
-    output::create_dir(&folder)?;
-    output::write(&folder.join(vb_replay::SCRIPT_FILE), vb_replay::script())?;
-    let script = format!("../{}", vb_replay::SCRIPT_FILE);
-    for (task, links) in tasks.iter().zip(Links::of_report(PAGE, &tasks)) {
-        let Some(replay) = player.replay(task)? else { continue };
-        let path = folder.join(format!("{task}.html"));
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)
-                .map_err(|e| CliError::output(format!("{}: {e}", folder.display())))?;
-        }
-        output::write(&path, vb_replay::page(&replay, &links, Some(&script)))?;
-        made.insert(task.clone());
-    }
-    Ok(made)
+    replay::pages(report.runs(), &args.data, &chosen, PAGE, &folder, (&folder, ".."))
 }
 
 /// The worlds of which maps are made.

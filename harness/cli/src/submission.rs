@@ -18,8 +18,7 @@ use vb_world::{Suite, TaskId};
 
 use crate::args::{EvaluateArgs, MessageFormat, RunArgs, SOIL_RESOLUTION, SOILS, SubmitArgs, VerifyArgs};
 use crate::error::{self, CliError};
-use crate::places;
-use crate::{output, planner, replay, run, suite};
+use crate::{output, places, planner, run, suite};
 use vb_catalog::Data;
 
 #[derive(Serialize)]
@@ -50,7 +49,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     let suite = match &args.run {
         Some(dir) => {
             let reader = RunReader::open(dir).map_err(CliError::input)?;
-            replay::suite_of(reader.header(), args.suite.as_deref())?
+            places::suite_of(reader.header(), args.suite.as_deref())?
         }
         None => suite::open(args.suite.as_deref().unwrap_or(Path::new(vb_catalog::DEFAULT_SUITE)))?,
     };

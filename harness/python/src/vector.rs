@@ -5,7 +5,7 @@ use std::sync::{Mutex, TryLockError};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vb_curriculum::{Curriculum, Spec};
+use vb_env::curriculum::{Curriculum, Spec};
 use vb_env::{Arrival, Autoreset, EnvError, Pointer, Reset};
 use vb_world::TaskId;
 

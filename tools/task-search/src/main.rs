@@ -15,7 +15,7 @@ use vb_catalog::Catalog;
 use vb_env::{Arena, EnvError, Options};
 use vb_score::Outcome;
 use vb_sdk::policy::ActionKind;
-use vb_suite_report::proof::{Proof, ProofError};
+use vb_suite::proof::{Proof, ProofError};
 use vb_world::TaskId;
 
 use crate::search::{SPEEDS, repeat, search};

@@ -27,6 +27,7 @@ pub(crate) enum DatasetCommand {
     #[command(after_help = resumed(&[HOST_ERRORS, INTERRUPTED]))]
     Drive(DatasetDriveArgs),
     /// Record demonstrations by people, who drive in the browser with keyboard or gamepad
+    #[cfg(feature = "teleop")]
     #[command(after_help = resumed(&[INTERRUPTED]))]
     Teleop(TeleopArgs),
     /// Extract the last seconds before each rollover or stuck end from a dataset or a run
@@ -45,6 +46,7 @@ pub(crate) enum DatasetCommand {
     Split(SplitArgs),
 }
 
+#[cfg(feature = "teleop")]
 #[derive(Debug, Args)]
 pub(crate) struct TeleopArgs {
     #[command(flatten)]

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod common;
+#[cfg(feature = "dataset")]
 mod dataset;
 mod exit_codes;
 mod list;
@@ -26,14 +27,19 @@ pub(crate) use common::{
     ForceArgs, FormatArgs, GlobalArgs, JobsArgs, MessageFormat, PERCEPTION, PlannerArgs, PluginArgs, RULES,
     ResumeArgs, SOIL_RESOLUTION, SOILS, TIME_STEP, VEHICLE,
 };
+#[cfg(feature = "teleop")]
+pub(crate) use dataset::TeleopArgs;
+#[cfg(feature = "dataset")]
 pub(crate) use dataset::{
     DatasetCommand, DatasetDriveArgs, DatasetMcapArgs, DatasetShowArgs, DatasetValidateArgs, ExploreArgs,
-    FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs, TeleopArgs,
+    FailuresArgs, Keeping, MergeArgs, SceneArgs, SplitArgs,
 };
 use exit_codes::{codes, resumed};
 pub(crate) use list::{ListArgs, Listed};
 pub(crate) use plugin::{InspectArgs, InstallArgs, Language, NewArgs, PluginCommand, StampArgs};
-pub(crate) use results::{CameraName, FilmArgs, ReplayArgs, ReplayData, ReportArgs};
+#[cfg(feature = "replay")]
+pub(crate) use results::{CameraName, FilmArgs, ReplayArgs};
+pub(crate) use results::{ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
@@ -123,8 +129,10 @@ pub(crate) enum Command {
     /// Write an HTML report, tables and figures of one or more runs
     Report(ReportArgs),
     /// Show a task of one or more runs as a 3D replay in the browser, or write a video, picture or MCAP file
+    #[cfg(feature = "replay")]
     Replay(ReplayArgs),
     /// Make, show, validate, merge and split datasets for offline learning
+    #[cfg(feature = "dataset")]
     #[command(subcommand)]
     Dataset(DatasetCommand),
     /// Make a submission from a planner or a finished run: a small folder that others can verify

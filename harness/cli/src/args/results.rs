@@ -3,10 +3,15 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Parser, ValueEnum};
+#[cfg(feature = "replay")]
+use clap::{ArgGroup, ValueEnum};
+use clap::{Args, Parser};
+#[cfg(feature = "replay")]
 use vb_world::TaskId;
 
-use super::values::{figure_width, frame_size, moment, positive};
+use super::values::{figure_width, positive};
+#[cfg(feature = "replay")]
+use super::values::{frame_size, moment};
 use super::{ForceArgs, FormatArgs};
 
 // A parser of its own for ReportArgs::new.
@@ -82,6 +87,7 @@ pub(crate) struct ReplayData {
     pub(crate) soils: Option<String>,
 }
 
+#[cfg(feature = "replay")]
 /// From where a film is shot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CameraName {
@@ -94,6 +100,7 @@ pub(crate) enum CameraName {
     Map,
 }
 
+#[cfg(feature = "replay")]
 /// Pictures and videos of a task, several runs beside each other.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Video and picture", group(ArgGroup::new("film").multiple(true)))]
@@ -130,6 +137,7 @@ pub(crate) struct FilmArgs {
     pub(crate) no_captions: bool,
 }
 
+#[cfg(feature = "replay")]
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
     /// Run directories of one suite; the camera follows the first run, the others are ghosts

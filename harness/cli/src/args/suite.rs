@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
-use vb_suite_report::validate::{Limits, Vehicle};
+use vb_suite::validate::{Limits, Vehicle};
 
 use super::exit_codes::resumed;
 use super::values::{planner, positive};

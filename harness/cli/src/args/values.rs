@@ -17,6 +17,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// Columns and rows of pixels.
+#[cfg(feature = "replay")]
 pub(super) fn frame_size(text: &str) -> Result<[u32; 2], String> {
     let side = |t: &str| t.parse::<u32>().ok().filter(|n| (64..=vb_render::Size::MAX).contains(n));
     let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| side(w).zip(side(h)));
@@ -89,6 +90,7 @@ fn seconds(text: &str) -> Option<f64> {
 const TIMES: &str = "in seconds or with a unit, e.g. 8, 0.5s, 5ms, 2min or 10h";
 
 /// A moment: a time that isn't below 0, s.
+#[cfg(feature = "replay")]
 pub(super) fn moment(text: &str) -> Result<f64, String> {
     seconds(text).filter(|v| *v >= 0.0).ok_or_else(|| format!("want a time that is not below 0, {TIMES}"))
 }

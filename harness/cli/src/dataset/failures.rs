@@ -16,7 +16,7 @@ use vb_world::Suite;
 use super::{Told, Total, finish, named, scene};
 use crate::args::FailuresArgs;
 use crate::error::CliError;
-use crate::{places, replay, run};
+use crate::{places, run};
 
 /// Frames a second of the failures of a run.
 const HZ: u32 = 10;
@@ -59,7 +59,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
         )));
     }
     let header = reader.header();
-    let suite = replay::suite_of(header, args.data.suite.as_deref())?;
+    let suite = places::suite_of(header, args.data.suite.as_deref())?;
     let of_a_suite = match suites_apart(&suite) {
         Ok(()) => false,
         Err(_) if args.of_a_suite => true,

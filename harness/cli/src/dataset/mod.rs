@@ -4,6 +4,7 @@ mod failures;
 mod hold;
 mod scene;
 mod show;
+#[cfg(feature = "teleop")]
 mod teleop;
 
 use std::path::Path;
@@ -28,6 +29,7 @@ impl DatasetCommand {
         match self {
             Self::Explore(args) => explore(args),
             Self::Drive(args) => drive(args),
+            #[cfg(feature = "teleop")]
             Self::Teleop(args) => teleop::teleop(args),
             Self::Failures(args) => failures::failures(args),
             Self::Show(args) => show::show(args),

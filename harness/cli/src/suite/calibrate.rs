@@ -10,7 +10,7 @@ use serde::Serialize;
 use vb_record::{LogMode, RunReader, TraceMode};
 use vb_score::{Flag, Outcome, TILT_LIMIT_DEG, TaskRecord};
 use vb_suite::generate::{Evaluation, Generator, GeneratorParams, Search};
-use vb_suite_report::statistics::SuiteStatistics;
+use vb_suite::statistics::SuiteStatistics;
 use vb_terrain::Model;
 use vb_world::{Elevation, Suite};
 

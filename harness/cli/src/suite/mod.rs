@@ -169,6 +169,7 @@ fn keep_apart(seed: u64, training: bool) -> Result<(), CatalogError> {
 }
 
 /// The suite of training worlds with this seed and number: where it was made before, or made now.
+#[cfg(feature = "dataset")]
 pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
     let making = &mut || output::note(&format!("making {worlds} training worlds of seed {seed}"));
     places::catalog().training(seed, worlds, making).map_err(|e| match e {

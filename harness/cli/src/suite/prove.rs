@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_score::{Outcome, TaskRecord};
-use vb_suite_report::proof::{Conditions, Named, Proof, Prover};
+use vb_suite::proof::{Conditions, Named, Proof, Prover};
 use vb_world::{Suite, TaskId};
 
 use crate::args::ProveArgs;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vb_suite_report::album::Album;
-use vb_suite_report::proof::Proof;
-use vb_suite_report::statistics::{SuiteStatistics, Survey, Table, WorldStatistics};
+use vb_suite::album::Album;
+use vb_suite::proof::Proof;
+use vb_suite::statistics::{SuiteStatistics, Survey, Table, WorldStatistics};
 
 use crate::args::ShowArgs;
 use crate::error::CliError;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use vb_sim::SimOptions;
-use vb_suite_report::validate::{Finding, Limits, Severity, Vehicle};
+use vb_suite::validate::{Finding, Limits, Severity, Vehicle};
 use vb_trial::static_shape;
 use vb_vehicle::VehicleModel;
 
@@ -35,7 +35,7 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
     let mut limits = Limits::of(footprint(&args.vehicle)?);
     (limits.clearance, limits.tilt) = (args.clearance, args.max_tilt);
     let json = args.format.is_json();
-    let findings = vb_suite_report::validate::validate(&suite, &limits, |_, found| {
+    let findings = vb_suite::validate::validate(&suite, &limits, |_, found| {
         for finding in found {
             if json {
                 output::json(&Message::Finding { finding });

@@ -4,7 +4,7 @@ mod report;
 mod run;
 mod status;
 
-use vb_sweep::{Layout, PlannedRun, Spec};
+use vb_runner::sweep::{Layout, PlannedRun, Spec};
 use vb_world::{Suite, TaskId};
 
 use crate::args::{RunArgs, SweepArgs, SweepCommand};

@@ -7,8 +7,8 @@ use serde::Serialize;
 use vb_record::RunReader;
 use vb_report::SweepRow;
 use vb_runner::shards_in;
+use vb_runner::sweep::PlannedRun;
 use vb_score::{Rules, Summary, TaskRecord};
-use vb_sweep::PlannedRun;
 
 use super::Sweep;
 use crate::args::{ForceArgs, ReportArgs, SweepArgs};

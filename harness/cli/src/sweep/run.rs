@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 use vb_runner::RunConfig;
-use vb_sweep::PlannedRun;
+use vb_runner::sweep::PlannedRun;
 use vb_world::Shard;
 
 use super::Sweep;

@@ -1,8 +1,8 @@
 //! `vb-harness sweep status`.
 
 use serde::Serialize;
+use vb_runner::sweep::RunState;
 use vb_score::Outcome;
-use vb_sweep::RunState;
 
 use super::Sweep;
 use crate::args::SweepArgs;

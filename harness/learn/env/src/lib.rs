@@ -11,6 +11,7 @@
 #![deny(missing_docs)]
 
 mod arena;
+pub mod curriculum;
 mod drive_log;
 mod env;
 mod error;

@@ -5,7 +5,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use vb_curriculum::{Curriculum, Ending, Spec};
+use crate::curriculum::{Curriculum, Ending, Spec};
 use vb_files::lock;
 use vb_score::{Outcome, TaskRecord};
 use vb_world::TaskId;

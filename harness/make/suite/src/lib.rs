@@ -1,10 +1,16 @@
 //! Makes suites: the seeded generator, the global planner, beds for trials of one task, the import of the original's data
-//! and of surveys of real places. `vb-suite-report` tells what a suite is like.
+//! and of surveys of real places. And tells what a suite is like: measures it ([`statistics`]), draws it as a page with
+//! a map of every world ([`album`]), checks whether it can be driven ([`validate`]), and keeps who has solved which task ([`proof`]).
 
+pub mod album;
+mod clearance;
 pub mod generate;
 pub mod import;
 pub mod path;
+pub mod proof;
 pub mod rules;
 pub mod site;
+pub mod statistics;
 mod surface;
 pub mod testbed;
+pub mod validate;

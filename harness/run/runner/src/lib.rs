@@ -10,6 +10,7 @@ mod error;
 mod fail_fast;
 mod merge;
 mod run;
+pub mod sweep;
 
 pub use driver::{PluginDriver, wants};
 pub use error::RunError;

@@ -1,8 +1,7 @@
 //! The font of figures.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use resvg::usvg::fontdb::Database;
 use ttf_parser::Face;
 
 pub(crate) const FAMILY: &str = "Liberation Sans";
@@ -49,19 +48,6 @@ pub fn text_width(text: &str, weight: Weight) -> f64 {
     let units = f64::from(face.units_per_em());
     let advance = |c: char| face.glyph_index(c).and_then(|g| face.glyph_hor_advance(g)).map(f64::from);
     text.chars().map(|c| advance(c).unwrap_or(units)).sum::<f64>() / units
-}
-
-/// The font as those who draw look it up: no font of the machine is among them, since figures must be the same everywhere.
-pub(crate) fn database() -> Arc<Database> {
-    static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
-    let load = || {
-        let mut fonts = Database::new();
-        for weight in Weight::ALL {
-            fonts.load_font_data(weight.data().to_vec());
-        }
-        Arc::new(fonts)
-    };
-    Arc::clone(FONTS.get_or_init(load))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use resvg::tiny_skia::{IntRect, NonZeroRect, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-use crate::figure::FigureError;
-use crate::font::{FAMILY, database};
+use crate::font::FAMILY;
+use crate::print::{FigureError, database};
 
 /// A drawing on clear ground, such as the caption of a frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 //! script of tables ([`TABLE_STYLE`], [`SORTED_TABLES`]) and the axes of plots ([`plot`]).
 
 mod document;
+pub mod map;
 #[cfg(test)]
 mod palette;
 pub mod plot;

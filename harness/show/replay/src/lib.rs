@@ -8,6 +8,7 @@
 mod debug;
 mod error;
 mod facts;
+pub mod film;
 mod foxglove_file;
 mod linkage;
 mod motion;

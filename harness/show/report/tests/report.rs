@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use common::{HOSTILE, header, record, tasks, write};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
-use vb_map::Sources;
+use vb_page::map::Sources;
 use vb_record::{
     DataHeader, PluginHeader, RUN_SCHEMA, RunHeader, RunStore, Sample, StoreError, TRACE_SCHEMA, Trace,
     TraceMeta, TraceMode,

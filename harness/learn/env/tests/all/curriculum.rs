@@ -1,6 +1,6 @@
 //! A curriculum chooses the tasks of many environments, whatever the threads do.
 
-use vb_curriculum::Spec;
+use vb_env::curriculum::Spec;
 use vb_env::{Autoreset, EnvError, Pointer, Reset, VectorEnv};
 
 use crate::common::{arena, options, pursue};

@@ -1,6 +1,7 @@
 //! What environments promise.
 
 mod common;
+mod curricula;
 mod curriculum;
 mod episodes;
 mod options;

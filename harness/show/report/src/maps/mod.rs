@@ -5,7 +5,7 @@ mod thumbnail;
 
 use std::collections::BTreeSet;
 
-use vb_map::Sources;
+use vb_page::map::Sources;
 use vb_record::RunReader;
 use vb_world::{TaskId, World};
 
@@ -73,7 +73,7 @@ impl Report {
                 let points = if reader.has_trace(&row.task)? {
                     let samples = reader.trace(&row.task)?.samples;
                     let all: Vec<[f64; 2]> = samples.iter().map(|s| [s.x, s.y]).collect();
-                    vb_map::simplified(&all, FLAT * world.scale)
+                    vb_page::map::simplified(&all, FLAT * world.scale)
                 } else {
                     Vec::new()
                 };
@@ -92,7 +92,7 @@ impl WorldMap<'_> {
     }
 
     /// The map as a small picture, an element `svg` with the ends of all ways in the colours of the outcomes: filled where they
-    /// are known, rings at the goals of tasks of which neither trace nor record says it. `ground` is where the picture of [`vb_map::ground`] lies,
+    /// are known, rings at the goals of tasks of which neither trace nor record says it. `ground` is where the picture of [`vb_page::map::ground`] lies,
     /// relative to the page, and `label` is told instead of it.
     #[must_use]
     pub fn thumbnail(&self, ground: &str, label: &str) -> String {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use vb_page::{Page, TABLE_STYLE, escape, number};
 use vb_world::World;
 
-use vb_map::Sources;
+use vb_page::map::Sources;
 
 use super::{MAP_SIDE, MapLinks, Way, WorldMap};
 use crate::Report;
@@ -40,8 +40,8 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
     let mut s = String::from("<div class=\"view\"><div class=\"stage\">");
     let drawn = drawn(report, world, ways);
     s.push_str(&match &links.pictures {
-        Some(beside) => vb_map::map(world, beside, &drawn),
-        None => vb_map::map(world, &Sources::inline(&vb_map::pictures(world, MAP_SIDE)), &drawn),
+        Some(beside) => vb_page::map::map(world, beside, &drawn),
+        None => vb_page::map::map(world, &Sources::inline(&vb_page::map::pictures(world, MAP_SIDE)), &drawn),
     });
     s.push_str("</div><div class=\"side\">");
     controls(&mut s, report);
@@ -50,7 +50,7 @@ pub(super) fn of_world(map: &WorldMap<'_>, links: &MapLinks<'_>) -> String {
     let title = format!("{} on {}", world.id, report.runs.scope());
     Page {
         title: &title,
-        styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE, vb_map::STYLE, STYLE],
+        styles: &[TABLE_STYLE, DRAWING_STYLE, PAGE_STYLE, vb_page::map::STYLE, STYLE],
         attributes: "data-ground=\"classes\"",
         body: &format!("<header>{head}</header><main>{s}</main>"),
         script: SCRIPT,

@@ -47,7 +47,7 @@ impl WorldMap<'_> {
             d
         };
         let s = &mut sheet.body;
-        let ground = vb_map::data_uri(&vb_map::ground(world, GROUND));
+        let ground = vb_page::map::data_uri(&vb_page::map::ground(world, GROUND));
         let _ = write!(
             s,
             "<image x=\"0\" y=\"{upper:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" preserveAspectRatio=\"none\" \
@@ -83,7 +83,7 @@ impl WorldMap<'_> {
             series::marker(s, way.run, at, 2.6, "");
         }
         // A bar of a round length in the lower left corner.
-        let length = vb_map::bar_length(half[0]);
+        let length = vb_page::map::bar_length(half[0]);
         let (x, y) = (8.0, upper + height - 8.0);
         let _ = write!(
             s,

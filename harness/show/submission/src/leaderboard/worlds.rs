@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vb_map::{LAYERS, Sources};
+use vb_page::map::{LAYERS, Sources};
 use vb_report::{MAP_SIDE, MapLinks, Report};
 use vb_world::{Suite, TaskId, World};
 
@@ -86,10 +86,10 @@ impl<'a> Painter<'a> {
         if self.painted.insert(self.out.join(&name)) {
             let write =
                 |layer: &str, png: &[u8]| files::write(&self.out.join(format!("{name}-{layer}.png")), png);
-            for (layer, png) in LAYERS.iter().zip(&vb_map::pictures(world, MAP_SIDE).0) {
+            for (layer, png) in LAYERS.iter().zip(&vb_page::map::pictures(world, MAP_SIDE).0) {
                 write(layer, png)?;
             }
-            write("small", &vb_map::ground(world, SMALL_SIDE))?;
+            write("small", &vb_page::map::ground(world, SMALL_SIDE))?;
         }
         Ok(name)
     }

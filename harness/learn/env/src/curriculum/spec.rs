@@ -1,0 +1,226 @@
+//! Curricula as data.
+
+use serde::{Deserialize, Serialize};
+use vb_files::document::{self, Document};
+use vb_files::{Flaw, Schema};
+use vb_world::Selector;
+
+/// A curriculum as its file states it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// The name in lists and messages.
+    pub name: String,
+    /// How the next task is chosen.
+    pub method: Method,
+}
+
+/// A rule by which tasks are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    /// All tasks with the same probability.
+    Uniform,
+    /// By stages, on which each environment goes up and down on its own.
+    Manual(ManualSpec),
+    /// By p(1 − p), where p is the share of drives of a task that reach the goal.
+    Learnability(LearnabilitySpec),
+    /// By prioritised level replay.
+    Replay(ReplaySpec),
+}
+
+/// Stages in a fixed order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ManualSpec {
+    /// The tasks of each stage: those that any of its selectors chooses.
+    pub stages: Vec<Vec<Selector>>,
+    /// When an environment changes its stage.
+    pub rule: StageRule,
+}
+
+/// When an environment leaves its stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageRule {
+    /// Episodes of an environment at its stage after which it is decided whether it stays.
+    pub window: u32,
+    /// The share of successes from which it goes up.
+    pub promote: f64,
+    /// The share of successes up to which it goes down.
+    pub demote: f64,
+    /// The share of episodes that are drawn from earlier stages.
+    pub review: f64,
+}
+
+/// Sampling for learnability, p(1 − p).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearnabilitySpec {
+    /// The share of episodes that are drawn from all tasks alike.
+    pub explore: f64,
+    /// What an outcome of a task still counts when the next one is there.
+    pub keep: f64,
+    /// The same of outcomes of all tasks of a level.
+    pub keep_level: f64,
+    /// How many outcomes of a task weigh as much as those of its level.
+    pub prior: f64,
+}
+
+/// Prioritised level replay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReplaySpec {
+    /// The chance of a task that was driven before.
+    pub replay: f64,
+    /// The share of all tasks that must have been driven before one is driven again.
+    pub seen: f64,
+    /// How much of the old score a new one leaves.
+    pub keep: f64,
+    /// The temperature of the ranks by score.
+    pub temperature: f64,
+    /// The part of the chance that goes by how long ago a task was driven.
+    pub staleness: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    #[serde(rename = "schema")]
+    _schema: Schema<1>,
+    name: String,
+    #[serde(default)]
+    #[allow(dead_code, reason = "for readers of the file")]
+    description: String,
+    kind: Kind,
+    stages: Option<Vec<Stage>>,
+    window: Option<u32>,
+    promote: Option<f64>,
+    demote: Option<f64>,
+    review: Option<f64>,
+    explore: Option<f64>,
+    keep: Option<f64>,
+    keep_level: Option<f64>,
+    prior: Option<f64>,
+    replay: Option<f64>,
+    seen: Option<f64>,
+    temperature: Option<f64>,
+    staleness: Option<f64>,
+}
+
+/// A selector, or several of which any chooses a task.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "want a selector, or a list of selectors")]
+enum Stage {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Stage {
+    fn parse(&self) -> Result<Vec<Selector>, String> {
+        let texts = match self {
+            Self::One(text) => std::slice::from_ref(text),
+            Self::Several(texts) => texts,
+        };
+        if texts.is_empty() {
+            return Err("there must be a selector at least".into());
+        }
+        texts.iter().map(|text| Selector::parse(text).map_err(|e| e.to_string())).collect()
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Uniform,
+    Manual,
+    Learnability,
+    Replay,
+}
+
+impl Document for Spec {
+    type File = File;
+    const KIND: &'static str = "curriculum";
+    const FIELDS: &'static str = "docs/training.md";
+    const BUILTIN: &'static [(&'static str, &'static str)] = &[
+        ("uniform", include_str!("../../../../../tasks/curricula/uniform.yaml")),
+        ("manual", include_str!("../../../../../tasks/curricula/manual.yaml")),
+        ("learnability", include_str!("../../../../../tasks/curricula/learnability.yaml")),
+        ("replay", include_str!("../../../../../tasks/curricula/replay.yaml")),
+    ];
+
+    fn from_file(mut file: File) -> Result<Self, Flaw> {
+        let method = file.method()?;
+        if let Some(field) = file.rest() {
+            let kind = format!("{:?}", file.kind).to_lowercase();
+            return Err(Flaw::new(field, format!("a curriculum of kind {kind} has no such field")));
+        }
+        Ok(Self { name: file.name, method })
+    }
+}
+
+vb_files::document!(Spec);
+
+/// The value of a field, which must be there and lie within bounds.
+fn within(value: &mut Option<f64>, field: &str, low: f64, high: f64) -> Result<f64, Flaw> {
+    let value = value.take().ok_or_else(|| Flaw::new(field, "it is missing"))?;
+    document::within(field, value, low, high)?;
+    Ok(value)
+}
+
+impl File {
+    /// Takes the fields of the kind.
+    fn method(&mut self) -> Result<Method, Flaw> {
+        Ok(match self.kind {
+            Kind::Uniform => Method::Uniform,
+            Kind::Manual => {
+                let stages = self.stages.take().ok_or_else(|| Flaw::new("stages", "they are missing"))?;
+                if stages.is_empty() {
+                    return Err(Flaw::new("stages", "there must be one at least"));
+                }
+                let parse = |(k, stage): (usize, &Stage)| {
+                    stage.parse().map_err(|e| Flaw::new(format!("stages[{k}]"), e))
+                };
+                let window = self.window.take().ok_or_else(|| Flaw::new("window", "it is missing"))?;
+                document::within("window", window, 1, 1000)?;
+                let promote = within(&mut self.promote, "promote", 0.0, 1.0)?;
+                let demote = within(&mut self.demote, "demote", -1.0, 1.0)?;
+                if demote >= promote {
+                    return Err(Flaw::must_be("demote", demote, &format!("less than promote, {promote}")));
+                }
+                let review = within(&mut self.review, "review", 0.0, 1.0)?;
+                Method::Manual(ManualSpec {
+                    stages: stages.iter().enumerate().map(parse).collect::<Result<_, _>>()?,
+                    rule: StageRule { window, promote, demote, review },
+                })
+            }
+            Kind::Learnability => Method::Learnability(LearnabilitySpec {
+                explore: within(&mut self.explore, "explore", 0.0, 1.0)?,
+                keep: within(&mut self.keep, "keep", 0.0, 1.0)?,
+                keep_level: within(&mut self.keep_level, "keep_level", 0.0, 1.0)?,
+                prior: within(&mut self.prior, "prior", 1e-3, 1e3)?,
+            }),
+            Kind::Replay => Method::Replay(ReplaySpec {
+                replay: within(&mut self.replay, "replay", 0.0, 1.0)?,
+                seen: within(&mut self.seen, "seen", 0.0, 1.0)?,
+                keep: within(&mut self.keep, "keep", 0.0, 1.0)?,
+                temperature: within(&mut self.temperature, "temperature", 0.01, 100.0)?,
+                staleness: within(&mut self.staleness, "staleness", 0.0, 1.0)?,
+            }),
+        })
+    }
+
+    /// A field that nothing has taken.
+    fn rest(&self) -> Option<&'static str> {
+        let numbers = [
+            ("promote", self.promote),
+            ("demote", self.demote),
+            ("review", self.review),
+            ("explore", self.explore),
+            ("keep", self.keep),
+            ("keep_level", self.keep_level),
+            ("prior", self.prior),
+            ("replay", self.replay),
+            ("seen", self.seen),
+            ("temperature", self.temperature),
+            ("staleness", self.staleness),
+        ];
+        let number = numbers.iter().find(|(_, value)| value.is_some()).map(|(name, _)| *name);
+        let stages = self.stages.as_ref().map(|_| "stages");
+        number.or(stages).or(self.window.map(|_| "window"))
+    }
+}
