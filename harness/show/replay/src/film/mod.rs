@@ -9,7 +9,7 @@ mod camera;
 mod caption;
 mod error;
 mod ffmpeg;
-mod film;
+mod frames;
 mod gif_file;
 mod layout;
 mod panel;
@@ -19,7 +19,7 @@ mod video;
 
 pub use camera::Camera;
 pub use error::FilmError;
-pub use film::{Film, Style};
+pub use frames::{Film, Style};
 pub use schedule::{Course, Schedule};
 pub use video::{VideoFormat, write_picture, write_video};
 
