@@ -96,7 +96,7 @@ mod tests {
         let harness = ["--package", "vb-harness"];
         let module = ["--package", "vb-python"];
         // Single crates, as CONTRIBUTING.md has their tests run.
-        let single = ["vb-dataset", "vb-replay", "vb-host", "vb-report"]
+        let single = ["vb-dataset", "vb-env", "vb-host", "vb-replay"]
             .map(|name| ["--package", "vb-unify", "--package", name]);
         // Those that are part of a program, and all with those that only run while it is built.
         for edges in ["normal,no-proc-macro", "normal,build"] {
