@@ -54,6 +54,9 @@ def test_what_the_user_names_comes_first(packaged, monkeypatch, tmp_path):
 
 
 def test_a_checkout_has_what_is_built_in_it(monkeypatch, tmp_path):
+    # Also where the tested package is an installed one.
+    monkeypatch.setattr(_program, "_DATA", tmp_path / "_data")
+    monkeypatch.setattr(_program, "_CHECKOUT", ROOT)
     monkeypatch.setenv("CARGO_TARGET_DIR", str(tmp_path))
     assert tasks_path() == ROOT / "tasks"
     with pytest.raises(MissingError, match="run `cargo build --release -p vb-harness`"):
