@@ -38,6 +38,7 @@ impl Command {
             Self::Suite(command) => command.run(),
             Self::Tasks(command) => command.run(),
             Self::Vehicle(command) => command.run(),
+            #[cfg(feature = "terrain")]
             Self::Terrain(command) => command.run(),
             Self::Completions(args) => {
                 crate::shell::completions(args);

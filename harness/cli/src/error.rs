@@ -111,6 +111,7 @@ impl CliError {
     }
 
     /// Another program failed with this code and said why.
+    #[cfg(feature = "terrain")]
     pub(crate) fn told(code: u8) -> Self {
         Self::new(code, "")
     }

@@ -9,6 +9,7 @@ mod dispatch;
 mod error;
 #[cfg(feature = "replay")]
 mod film;
+#[cfg_attr(not(feature = "terrain"), path = "without_geojson.rs")]
 mod geojson;
 mod inspect;
 mod leaderboard;
@@ -28,6 +29,7 @@ mod shell;
 mod submission;
 mod suite;
 mod sweep;
+#[cfg(feature = "terrain")]
 mod terrain;
 mod vehicle;
 
@@ -138,13 +140,16 @@ fn is_of_planner(e: &clap::Error) -> bool {
 fn meant(text: &str, given: &[String]) -> Option<String> {
     let unknown = |kind: &str| text.strip_prefix(kind).and_then(|rest| Some(rest.split_once('\'')?.0));
     let is_planner = |name: &&str| [".wasm", ".so", ".dylib", ".dll"].iter().any(|end| name.ends_with(end));
-    let left_out = |name: &&str| {
-        *name == "dataset" && cfg!(not(feature = "dataset"))
-            || *name == "replay" && cfg!(not(feature = "replay"))
-            || *name == "teleop" && cfg!(not(feature = "teleop"))
+    // The feature that a command needs, where it was left out.
+    let left_out = |name: &str| match name {
+        "dataset" if cfg!(not(feature = "dataset")) => Some("dataset"),
+        "replay" if cfg!(not(feature = "replay")) => Some("replay"),
+        "teleop" if cfg!(not(feature = "teleop")) => Some("teleop"),
+        "import" | "site" | "terrain" if cfg!(not(feature = "terrain")) => Some("terrain"),
+        _ => None,
     };
-    if let Some(name) = unknown("unrecognized subcommand '").filter(left_out) {
-        return Some(missing("its commands", name));
+    if let Some(feature) = unknown("unrecognized subcommand '").and_then(left_out) {
+        return Some(missing("its commands", feature));
     }
     if let Some(planner) = unknown("unrecognized subcommand '").filter(is_planner) {
         return Some(format!("a planner is run by: vb-harness run {planner}"));

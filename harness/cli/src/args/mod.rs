@@ -9,9 +9,12 @@ mod plugin;
 mod results;
 mod run;
 mod shell;
+#[cfg(feature = "terrain")]
+mod site;
 mod submission;
 mod suite;
 mod sweep;
+#[cfg(feature = "terrain")]
 mod terrain;
 mod values;
 mod vehicle;
@@ -42,12 +45,15 @@ pub(crate) use results::{CameraName, FilmArgs, ReplayArgs};
 pub(crate) use results::{ReplayData, ReportArgs};
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
+#[cfg(feature = "terrain")]
+pub(crate) use site::{ImportArgs, SiteArgs};
 pub(crate) use submission::{BuildArgs, EvaluateArgs, LeaderboardCommand, SubmitArgs, VerifyArgs};
 pub(crate) use suite::{
-    DrawnArgs, GenerateArgs, ImportArgs, ProveArgs, ShowArgs, SiteArgs, SuiteCommand, TasksArgs,
-    TasksCommand, TestbedArgs, ValidateArgs,
+    DrawnArgs, GenerateArgs, ProveArgs, ShowArgs, SuiteCommand, TasksArgs, TasksCommand, TestbedArgs,
+    ValidateArgs,
 };
 pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
+#[cfg(feature = "terrain")]
 pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 pub(crate) use vehicle::{VehicleArgs, VehicleCommand, VehicleShowArgs, VehicleTestArgs};
 
@@ -172,6 +178,7 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Vehicle(VehicleCommand),
     /// Train terrain models on elevation data, generate surfaces from them, measure elevation files
+    #[cfg(feature = "terrain")]
     #[command(subcommand)]
     Terrain(TerrainCommand),
     /// Write a shell completion script to stdout

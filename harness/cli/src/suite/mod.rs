@@ -3,6 +3,7 @@
 mod calibrate;
 mod prove;
 mod show;
+#[cfg(feature = "terrain")]
 mod site;
 mod testbed;
 mod validate;
@@ -17,12 +18,9 @@ use vb_catalog::CatalogError;
 use vb_files::Document;
 use vb_record::NewFolder;
 use vb_suite::generate::{Generator, GeneratorParams, TRAINING_SEEDS};
-use vb_suite::import::Source;
 use vb_world::{Density, Elevation, Suite, SuiteMeta, SuiteWriter, TaskId, Terrain, World, WorldInfo};
 
-use crate::args::{
-    DrawnArgs, GenerateArgs, ImportArgs, MessageFormat, SuiteCommand, TasksArgs, TasksCommand,
-};
+use crate::args::{DrawnArgs, GenerateArgs, MessageFormat, SuiteCommand, TasksArgs, TasksCommand};
 use crate::error::CliError;
 use crate::{output, places};
 
@@ -36,8 +34,10 @@ impl SuiteCommand {
             Self::Show(args) => show::show(args),
             Self::Validate(args) => validate::validate(args),
             Self::Prove(args) => prove::prove(args),
-            Self::Import(args) => import(args),
+            #[cfg(feature = "terrain")]
+            Self::Import(args) => site::import(args),
             Self::Generate(args) => generate(args),
+            #[cfg(feature = "terrain")]
             Self::Site(args) => site::make(args),
             Self::Testbed(args) => testbed::testbed(args),
         }
@@ -87,13 +87,6 @@ pub(crate) fn tell_choice(chosen: usize, suite: &Suite) {
     if TOLD.lock().is_ok_and(|mut told| told.insert(note.clone())) {
         output::note(&note);
     }
-}
-
-pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
-    must_be_free(&args.out)?;
-    let source = Source::find(&args.from).map_err(CliError::input)?.ground(args.ground.into());
-    let worlds = source.ids().map(|id| source.world(id).map_err(CliError::input));
-    write(&args.out, source.meta(), worlds)
 }
 
 /// Looks whether a suite can be written into a folder, before the work for it is done.

@@ -1,21 +1,29 @@
-//! `vb-harness suite site`.
+//! `vb-harness suite import` and `suite site`.
 
 use std::path::Path;
 
 use vb_suite::generate::GeneratorParams;
+use vb_suite::import::Source;
 use vb_suite::site::{Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_terrain::crs::Crs;
 use vb_terrain::read::{Holes, Options, PICTURE, Said, short, survey};
 use vb_world::{Georeference, Provenance, SuiteMeta};
 
-use crate::args::SiteArgs;
+use crate::args::{ImportArgs, SiteArgs};
 use crate::error::CliError;
 use crate::output;
 use crate::suite::{must_be_free, rules, write};
 
 /// Samples farther apart than this many nodes of a world can't have its roughness.
 const COARSE: f64 = 2.0;
+
+pub(crate) fn import(args: &ImportArgs) -> Result<(), CliError> {
+    must_be_free(&args.out)?;
+    let source = Source::find(&args.from).map_err(CliError::input)?.ground(args.ground.into());
+    let worlds = source.ids().map(|id| source.world(id).map_err(CliError::input));
+    write(&args.out, source.meta(), worlds)
+}
 
 pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     must_be_free(&args.out)?;

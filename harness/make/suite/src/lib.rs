@@ -5,10 +5,13 @@
 pub mod album;
 mod clearance;
 pub mod generate;
+#[cfg(feature = "site")]
 pub mod import;
+pub mod level;
 pub mod path;
 pub mod proof;
 pub mod rules;
+#[cfg(feature = "site")]
 pub mod site;
 pub mod statistics;
 mod surface;

@@ -15,13 +15,19 @@ mod surfaces;
 pub(crate) use broken::Fields;
 pub use broken::NoStarts;
 pub use calibrate::{Evaluation, FACTORS, Search};
-pub(crate) use ends::{Starts, millimetres};
-pub(crate) use ground::{drawn_friction, friction};
+#[cfg(feature = "site")]
+pub(crate) use ends::Starts;
+pub(crate) use ends::millimetres;
+pub(crate) use ground::drawn_friction;
+#[cfg(feature = "site")]
+pub(crate) use ground::friction;
+#[cfg(feature = "site")]
+pub(crate) use params::finest_path_grid;
 pub use params::{
     ByDensity, ByElevation, ByGround, ElevationParams, FrictionParams, GeneratorParams, GridParams,
     GroundParams, Normal, ObstacleParams, StandParams, TaskParams,
 };
-pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand, finest_path_grid};
+pub(crate) use params::{check_clip, check_friction, check_model, check_path, check_stand};
 pub(crate) use surfaces::Surfaces;
 
 use crate::path::{PathError, PathParams, Planner};

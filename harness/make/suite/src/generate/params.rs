@@ -47,6 +47,7 @@ pub struct ByDensity {
 
 impl ByDensity {
     /// The numbers for an area that is larger or smaller by a factor.
+    #[cfg(feature = "site")]
     fn times(self, factor: f64) -> Self {
         let times = |n: usize| (n as f64 * factor).round() as usize;
         Self { sparse: times(self.sparse), medium: times(self.medium), dense: times(self.dense) }
@@ -213,6 +214,7 @@ impl ObstacleParams {
     }
 
     /// The same for an area that is larger or smaller by a factor.
+    #[cfg(feature = "site")]
     pub(crate) fn times(self, factor: f64) -> Self {
         Self { boulders: self.boulders.times(factor), trees: self.trees.times(factor), ..self }
     }

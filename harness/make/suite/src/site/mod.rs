@@ -1,6 +1,5 @@
 //! Worlds of a real place, from a raster of its heights.
 
-mod level;
 mod rules;
 mod survey;
 
@@ -10,13 +9,13 @@ use vb_math::rng::Stream;
 use vb_terrain::ElevationImage;
 use vb_world::{Density, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
 
-pub use level::{level, spread};
 pub use rules::{GroundRule, SiteGround, SiteParams};
 
 use crate::generate::{
     self, Fields, GenerateError, GeneratorParams, NoStarts, ObstacleParams, Starts, TaskParams,
     finest_path_grid,
 };
+use crate::level::{level, median_slope};
 use crate::surface::counted_from_lowest;
 use survey::{Layout, extents};
 
@@ -243,7 +242,7 @@ impl<'a> Site<'a> {
         let Self { obstacles, density, site, rules, seed, .. } = *self;
         let stream = |part: &str| Stream::new(seed, &["site", &place.id, part]);
         let heightfield = surface(place, site)?;
-        let slope = level::median_slope(&heightfield);
+        let slope = median_slope(&heightfield);
         let (low, high) = heightfield.range();
         let (at, side, relief) = (place.at, site.side, high - low);
         if !self.any_relief && (relief > HIGHEST * side || slope > STEEPEST) {

@@ -2,7 +2,7 @@
 
 use super::{Findings, Rule};
 use crate::generate::GeneratorParams;
-use crate::site::spread;
+use crate::level::spread;
 use crate::statistics::WorldStatistics;
 use vb_world::{Density, Elevation, Part, World};
 

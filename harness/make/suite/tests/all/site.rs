@@ -222,7 +222,7 @@ fn the_levels_are_those_of_the_benchmark() {
     for (name, others) in [("vb-100", 3), ("smoke", 1)] {
         let suite = vb_world::Suite::open(tasks.join(name)).unwrap();
         let rules = GeneratorParams::default();
-        let level = |id: &str| vb_suite::site::level(&suite.load_world(id).unwrap().heightfield, &rules);
+        let level = |id: &str| vb_suite::level::level(&suite.load_world(id).unwrap().heightfield, &rules);
         let differ: Vec<_> =
             suite.worlds().iter().filter(|w| level(&w.id) != w.elevation).map(|w| &w.id).collect();
         assert!(differ.len() <= others, "{name}: {differ:?}");

@@ -46,7 +46,8 @@ pub fn level(surface: &Heightfield, rules: &GeneratorParams) -> Elevation {
 }
 
 /// Median slope of the nodes, degrees.
-pub(super) fn median_slope(surface: &Heightfield) -> f64 {
+#[cfg(feature = "site")]
+pub(crate) fn median_slope(surface: &Heightfield) -> f64 {
     let (n, k) = (surface.cols().min(surface.rows()), reach(surface));
     let mut all = Vec::with_capacity(n * n);
     slopes(surface, n, k, 2.0 * k as f64 * surface.resolution(), |[x, y]| all.push(vb_math::hypot(x, y)));
