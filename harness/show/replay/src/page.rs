@@ -7,7 +7,7 @@ use vb_world::TaskId;
 
 use crate::Replay;
 
-/// The page's script: three.js and what lies in `web/src`, made by `web/build.mjs`.
+/// The script of both pages: three.js and what lies in `web/src`, made by `web/build.mjs`.
 const SCRIPT: &str = include_str!("../assets/replay.min.js");
 const STYLE: &str = include_str!("../web/src/replay.css");
 const BODY: &str = include_str!("../web/src/body.html");
@@ -79,8 +79,6 @@ pub fn page(replay: &Replay, links: &Links, script_at: Option<&str>) -> String {
     .html()
 }
 
-/// The script of the page in which a person drives, made as the other.
-const LIVE_SCRIPT: &str = include_str!("../assets/teleop.min.js");
 const LIVE_STYLE: &str = include_str!("../web/src/teleop.css");
 const LIVE_BODY: &str = include_str!("../web/src/teleop.html");
 
@@ -93,7 +91,7 @@ pub fn live_page(title: &str, data: &serde_json::Value) -> String {
         styles: &[STYLE, LIVE_STYLE],
         body: LIVE_BODY,
         data: Some(data),
-        script: LIVE_SCRIPT,
+        script: SCRIPT,
         makes_images: true,
         connects: true,
         ..Page::default()

@@ -1,4 +1,4 @@
-// Bundles the pages' scripts with three.js into ../assets. The first line has a hash of what it was made
+// Bundles the script of both pages with three.js into ../assets. The first line has a hash of what it was made
 // from, by which a test of the Rust crate finds a bundle that is out of date.
 import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
@@ -12,19 +12,16 @@ const licence = readFileSync('node_modules/three/LICENSE', 'utf8').trim();
 // What comes with three.js of others has its own head.
 const inflate = readFileSync('node_modules/three/examples/jsm/libs/fflate.module.js', 'utf8').match(/^\/\*!\n([^]*?)\*\//)[1].trim();
 
-// The page of a replay, and the one in which a person drives.
-for (const [entry, file] of [['main', 'replay'], ['teleop', 'teleop']]) {
-  const result = await build({
-    entryPoints: [`src/${entry}.js`],
-    bundle: true,
-    minify: true,
-    write: false,
-    format: 'iife',
-    target: ['es2022'],
-    legalComments: 'none',
-  });
-  // No end of a script element in the text.
-  const text = result.outputFiles[0].text.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
-  const head = `/* sources ${hash.copy().digest('hex')} */\n/*! three.js\n${licence}\n\n${inflate}\n*/\n`;
-  writeFileSync(`../assets/${file}.min.js`, head + text);
-}
+const result = await build({
+  entryPoints: ['src/index.js'],
+  bundle: true,
+  minify: true,
+  write: false,
+  format: 'iife',
+  target: ['es2022'],
+  legalComments: 'none',
+});
+// No end of a script element in the text.
+const text = result.outputFiles[0].text.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
+const head = `/* sources ${hash.digest('hex')} */\n/*! three.js\n${licence}\n\n${inflate}\n*/\n`;
+writeFileSync('../assets/replay.min.js', head + text);
