@@ -1,5 +1,5 @@
 //! Runs a target on mutations of its seeds, where there is no nightly compiler for libFuzzer:
-//! `cargo run --release --package vb-fuzz --example mutate -- TARGET SECONDS`.
+//! `cargo run --release --package vb-fuzz --example mutate -- TARGET SECONDS`, or with a file instead of the seconds on that input alone.
 //!
 //! An input that takes more than two seconds, or ends the target, is left in the folder for temporary files.
 
@@ -11,11 +11,18 @@ const LONGEST: Duration = Duration::from_secs(2);
 #[allow(clippy::disallowed_methods, reason = "how long it runs reaches no score")]
 fn main() {
     let mut args = std::env::args().skip(1);
-    let (name, seconds) = (args.next(), args.next().and_then(|text| text.parse().ok()));
+    let (name, what) = (args.next(), args.next());
     let target = vb_fuzz::TARGETS.iter().find(|t| Some(t.name) == name.as_deref());
-    let (Some(target), Some(seconds)) = (target, seconds) else {
+    let input = what.as_ref().and_then(|file| std::fs::read(file).ok());
+    if let (Some(target), Some(input)) = (target, input) {
+        let at = Instant::now();
+        (target.run)(&input);
+        eprintln!("{}: {:?}", target.name, at.elapsed());
+        return;
+    }
+    let (Some(target), Some(seconds)) = (target, what.and_then(|text| text.parse().ok())) else {
         let names: Vec<&str> = vb_fuzz::TARGETS.iter().map(|t| t.name).collect();
-        eprintln!("usage: mutate TARGET SECONDS; there are {}", names.join(", "));
+        eprintln!("usage: mutate TARGET SECONDS|FILE; there are {}", names.join(", "));
         std::process::exit(2);
     };
     let seeds = (target.seeds)();

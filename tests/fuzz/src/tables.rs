@@ -67,6 +67,15 @@ pub(crate) fn series_seeds() -> Vec<Vec<u8>> {
 mod tests {
     use super::*;
 
+    /// The decoder of version 60.1 panics on it: a page of a dictionary's numbers says more bits than it has.
+    #[test]
+    fn a_file_on_which_the_decoder_panics_is_damaged() {
+        let site = Site::new();
+        site.write(Path::new(FILE), include_bytes!("../seeds/damaged/series.parquet"));
+        let told = DebugSeries::read(&site.path().join(FILE)).unwrap_err().to_string();
+        assert!(told.contains("it can't be decoded: range end index 4 out of range"), "{told}");
+    }
+
     /// A seed that is refused at the door tests nothing behind it.
     #[test]
     fn the_seeds_are_read() {

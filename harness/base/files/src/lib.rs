@@ -6,6 +6,7 @@
 //! Every crate of the harness can depend on this one, so it also has the lock of a mutex that a panic does not poison ([`lock`]).
 
 pub mod bundle;
+mod decoding;
 pub mod document;
 mod hash;
 mod lock;
@@ -13,6 +14,7 @@ mod text;
 mod write;
 pub mod yaml;
 
+pub use decoding::{decoding, panic_text};
 pub use document::{Document, DocumentError, Flaw, Schema};
 pub use hash::{Hash, sha256};
 pub use lock::lock;

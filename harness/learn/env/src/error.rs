@@ -3,10 +3,10 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use vb_catalog::CatalogError;
-use vb_files::DocumentError;
+use vb_files::{DocumentError, panic_text};
 use vb_sdk::PlannerError;
 use vb_sim::SimError;
-use vb_trial::{TrialError, panic_text};
+use vb_trial::TrialError;
 use vb_world::{SelectorError, SuiteError, TaskId, TaskIdError};
 
 /// An error of an environment. Each message is one line with what, where, and what to do.

@@ -13,6 +13,8 @@ use bytes::Bytes;
 use parquet::basic::Compression;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
 
+use vb_files::decoding;
+
 use crate::thrift::{Thrift, is_list, is_number, is_struct};
 
 /// The most that a Parquet file may have.
@@ -56,7 +58,8 @@ pub(crate) type Problem = String;
 /// Parquet file; it says what is wrong.
 pub fn read_parquet(path: &Path, bounds: &ParquetBounds) -> io::Result<Bytes> {
     let bytes = Bytes::from(vb_files::read(path, bounds.file)?);
-    check(&bytes, bounds).map_err(|problem| io::Error::new(io::ErrorKind::InvalidData, problem))?;
+    let checked = decoding(|| check(&bytes, bounds)).flatten();
+    checked.map_err(|problem| io::Error::new(io::ErrorKind::InvalidData, problem))?;
     Ok(bytes)
 }
 

@@ -16,6 +16,8 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnPath, Type};
 
+use vb_files::decoding;
+
 use crate::StoreError;
 use crate::bounded::{ParquetBounds, read_parquet};
 
@@ -108,7 +110,8 @@ impl Table {
             ErrorKind::InvalidData => damaged(path, e),
             _ => StoreError::io("read", path)(e),
         })?;
-        let reader = SerializedFileReader::new(content).map_err(|e| damaged(path, e))?;
+        let reader = decoding(|| SerializedFileReader::new(content)).map_err(|e| damaged(path, e))?;
+        let reader = reader.map_err(|e| damaged(path, e))?;
         Ok(Self { reader })
     }
 
@@ -182,6 +185,17 @@ impl Table {
 
     /// Hands over the values of a column in their order, some thousand at a time, to be taken out of their list.
     fn each<T: DataType>(
+        &self,
+        path: &Path,
+        name: &str,
+        want: Physical,
+        take: impl FnMut(&mut Vec<T::T>) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        decoding(|| self.decode::<T>(path, name, want, take))
+            .unwrap_or_else(|problem| Err(damaged(path, format!("column {name:?}: {problem}"))))
+    }
+
+    fn decode<T: DataType>(
         &self,
         path: &Path,
         name: &str,

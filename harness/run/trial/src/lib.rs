@@ -26,4 +26,4 @@ pub use error::TrialError;
 pub use gear::{commanded_gear, gear_number, numbered_gear, planner_gear, simulated_gear};
 pub use setting::{Keep, Place, Setting, Wants, is_time_step, start};
 pub use shape::{StaticShape, static_shape};
-pub use trial::{Trial, TrialResult, panic_text};
+pub use trial::{Trial, TrialResult};

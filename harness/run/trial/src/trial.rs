@@ -1,13 +1,12 @@
 //! One task, from the start to its verdict.
 
-use std::any::Any;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use vb_files::lock;
+use vb_files::{lock, panic_text};
 use vb_record::{DebugSeries, LogMode, TRACE_SCHEMA, Trace, TraceMeta, TraceMode};
 use vb_score::{Fault, FuelUse, Outcome, Rules, TaskGeometry, TaskRecord, TaskScore};
 use vb_sdk::fault::{Blame, FaultCode};
@@ -54,14 +53,6 @@ pub struct TrialResult {
     pub trace: Option<Trace>,
     /// The planner's own series, if a trajectory is wanted.
     pub debug: DebugSeries,
-}
-
-/// The message of a panic that was caught.
-#[must_use]
-pub fn panic_text(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().cloned();
-    let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-    text.unwrap_or_else(|| "no message".to_owned())
 }
 
 /// How a trial ends without a failure.

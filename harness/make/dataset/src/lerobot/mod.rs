@@ -33,6 +33,11 @@ fn open(path: &Path, bounds: &ParquetBounds) -> Result<Bytes, DatasetError> {
     })
 }
 
+/// Reads a file by a decoder that may panic on a damaged one.
+fn decoded<T>(path: &Path, read: impl FnOnce() -> Result<T, DatasetError>) -> Result<T, DatasetError> {
+    vb_files::decoding(read).unwrap_or_else(|problem| Err(DatasetError::damaged(path, &problem)))
+}
+
 /// Chunk and file of the data file with this number.
 fn place(number: usize) -> (usize, usize) {
     (number / CHUNK, number % CHUNK)
@@ -69,7 +74,7 @@ impl Files for LeRobot {
     }
 
     fn read_data(&self, path: &Path, features: &[Feature]) -> Result<Batch, DatasetError> {
-        data::read_data(path, features)
+        decoded(path, || data::read_data(path, features))
     }
 
     fn write_episodes(&self, rows: &[Row]) -> Result<Vec<u8>, DatasetError> {
@@ -77,7 +82,7 @@ impl Files for LeRobot {
     }
 
     fn read_episodes(&self, path: &Path) -> Result<Vec<Row>, DatasetError> {
-        episodes::read_episodes(path)
+        decoded(path, || episodes::read_episodes(path))
     }
 
     fn whole_paths(&self) -> &'static [&'static str] {

@@ -134,10 +134,10 @@ pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
             return Err(Flaw::TooLarge { found: size, limit: MAX_BYTES, unit: "bytes" });
         }
         let mut found = match Format::of(path, size)? {
-            Format::Picture => picture::read(open(path)?)?,
-            Format::Array => npy::read(open(path)?)?,
-            Format::Archive => npz::read(open(path)?)?,
-            Format::Tiff => geotiff::read(path, options)?,
+            Format::Picture => decoded(|| picture::read(open(path)?))?,
+            Format::Array => decoded(|| npy::read(open(path)?))?,
+            Format::Archive => decoded(|| npz::read(open(path)?))?,
+            Format::Tiff => decoded(|| geotiff::read(path, options))?,
             Format::AsciiGrid => ascii_grid::read(path, size)?,
             Format::BinaryGrid(header) => binary_grid::read(path, &header, size)?,
             Format::Srtm(tile) => binary_grid::srtm(path, &tile)?,
@@ -146,6 +146,11 @@ pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
         finish(found, options)
     };
     inner().map_err(|flaw| ReadError { path: path.to_owned(), flaw })
+}
+
+/// Reads with a library that may panic on a damaged file.
+fn decoded<T>(read: impl FnOnce() -> Result<T, Flaw>) -> Result<T, Flaw> {
+    vb_files::decoding(read).unwrap_or_else(|problem| Err(Flaw::Damaged(problem)))
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, Flaw> {
