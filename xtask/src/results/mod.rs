@@ -16,12 +16,17 @@ use crate::{built, default_plugin_dir, root, target_dir};
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Class {
     Classical,
+    Hybrid,
+    /// Not of the paper, and not ranked.
+    Reference,
 }
 
 impl Class {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Classical => "classical",
+            Self::Hybrid => "hybrid",
+            Self::Reference => "reference",
         }
     }
 }
@@ -61,6 +66,11 @@ const ENTRIES: &[Entry] = &[
     Entry { plugin: "eh", label: "EH, 3 m/s", params: &["speed=3"], class: Class::Classical },
     Entry { plugin: "mppi", label: "MPPI", params: &[], class: Class::Classical },
     Entry { plugin: "mppi", label: "MPPI, 3 m/s", params: &["speed=3"], class: Class::Classical },
+    Entry { plugin: "wmvct", label: "WM-VCT", params: &[], class: Class::Hybrid },
+    Entry { plugin: "mppi6", label: "MPPI-6", params: &[], class: Class::Hybrid },
+    Entry { plugin: "tal", label: "TAL", params: &[], class: Class::Hybrid },
+    Entry { plugin: "tnt", label: "TNT", params: &[], class: Class::Hybrid },
+    Entry { plugin: "ibex", label: "Ibex", params: &[], class: Class::Reference },
 ];
 
 /// A suite that is driven with a vehicle: two tables, one of results and one of causes.
@@ -132,16 +142,17 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
         let suite = suite(course, &folder)?;
         let solvable = solvable(course)?;
         let mut rows = Vec::new();
-        let mut runs = Vec::new();
         for entry in ENTRIES {
             let out = folder.join(course.name).join(run_name(entry));
             let summary = drive(entry, course, &suite, &out)?;
             let of_solvable =
                 solvable.as_ref().map(|tasks| success_among(&out, tasks)).transpose()?.flatten();
             rows.push(Row { entry, summary, rank: None, of_solvable });
-            runs.push(out);
         }
-        for (row, rank) in rows.iter_mut().zip(ranking(&runs, &folder)?) {
+        let ranked = || ENTRIES.iter().filter(|entry| entry.class != Class::Reference);
+        let runs: Vec<PathBuf> = ranked().map(|e| folder.join(course.name).join(run_name(e))).collect();
+        let rows_ranked = rows.iter_mut().filter(|row| row.entry.class != Class::Reference);
+        for (row, rank) in rows_ranked.zip(ranking(&runs, &folder)?) {
             row.rank = rank;
         }
         for (kind, make) in KINDS {
