@@ -22,6 +22,13 @@ pub(crate) enum VehicleCommand {
         mut_arg("jobs", |arg| arg.help("Number of events that are driven in parallel; default: number of cores"))
     )]
     Test(VehicleTestArgs),
+    /// Replay recorded wheel speeds of a skid-steered vehicle, and compare its motion with the recording
+    #[command(
+        after_help = "The recording is a CSV file with the columns window, time (s), left and right (speeds of the wheels of a side, rad/s),\n\
+        x and y (m) and yaw (rad). Rows of a window follow each other; its first and its last row have a pose.\n\
+        The format and an example: docs/custom-vehicle.md"
+    )]
+    Compare(VehicleCompareArgs),
 }
 
 #[derive(Debug, Args)]
@@ -39,6 +46,29 @@ pub(crate) struct VehicleShowArgs {
     /// File for a drawing of side and top view (SVG)
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleCompareArgs {
+    /// Vehicle: a name or a file
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) vehicle: String,
+    /// Recording (CSV)
+    #[arg(value_name = "RECORDING")]
+    pub(crate) recording: PathBuf,
+    /// Friction coefficients of the ground, which recordings do not have
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0])]
+    pub(crate) friction: Vec<f64>,
+    /// Directory for report.html, results.json and the table of windows; default: runs/compare-VEHICLE-N
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    /// Simulation step, s or with a unit (0.01ms to 10ms)
+    #[arg(long, value_name = "TIME", default_value_t = TIME_STEP, value_parser = duration)]
+    pub(crate) time_step: f64,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }

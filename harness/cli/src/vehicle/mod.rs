@@ -1,5 +1,6 @@
 //! `vb-harness vehicle`.
 
+mod compare;
 mod picture;
 mod standing;
 mod table;
@@ -25,6 +26,7 @@ impl VehicleCommand {
             Self::Show(args) => show(args),
             Self::Validate(args) => validate(args),
             Self::Test(args) => test(args),
+            Self::Compare(args) => compare::compare(args),
         }
     }
 }

@@ -39,6 +39,10 @@ pub(super) struct Specification {
     break_over_angle_deg: Option<f64>,
     /// Of the reference point, without slip.
     turning_radius_m: f64,
+    /// The distance of the sides at which wheels without slip would turn as fast at full command. With skid steering on wheels.
+    effective_track_m: Option<f64>,
+    /// In place at full command. With skid steering on wheels.
+    turning_in_place_rad_per_s: Option<f64>,
     /// Of the middle of the outer front wheel, without slip. None on tracks.
     outer_front_wheel_radius_m: Option<f64>,
     /// The height of the ground under one front wheel at which another wheel lifts.
@@ -174,6 +178,8 @@ impl Specification {
             departure_angle_deg: c.departure_angle_deg,
             break_over_angle_deg: c.break_over_angle_deg,
             turning_radius_m: told.min_turn_radius,
+            effective_track_m: standing.shape.skid.map(|s| s.effective_track),
+            turning_in_place_rad_per_s: standing.shape.skid.map(|s| s.in_place),
             outer_front_wheel_radius_m: c.outer_front_wheel_radius_m,
             articulation_m: c.articulation_m,
             diagonal_articulation_m: c.diagonal_articulation_m,
@@ -217,11 +223,16 @@ impl Specification {
             angles += &format!(", break-over {between:.1}°");
         }
         row("approach, departure", angles);
-        let mut turning = format!("{} (reference point, no slip)", m(self.turning_radius_m));
+        let slip = if self.effective_track_m.is_some() { "driving at full command" } else { "no slip" };
+        let mut turning = format!("{} (reference point, {slip})", m(self.turning_radius_m));
         if let Some(outer) = self.outer_front_wheel_radius_m {
             turning += &format!(", {outer:.2} m (outer front wheel)");
         }
         row("turning radius", turning);
+        if let (Some(track), Some(rate)) = (self.effective_track_m, self.turning_in_place_rad_per_s) {
+            row("effective track", format!("{} (driving at full command)", m(track)));
+            row("turning in place", format!("{} rad/s", number(rate)));
+        }
         if let Some(gradient) = self.roll_gradient_deg_per_g {
             row("roll gradient", format!("{gradient:.2} °/g (suspensions and tyres)"));
         }

@@ -17,7 +17,7 @@ pub enum ValidateError {
     #[error("the event {name} is for {kind} vehicles; {vehicle} is none")]
     NotForVehicle {
         name: String,
-        /// wheeled or tracked
+        /// Such as wheeled or tracked.
         kind: &'static str,
         vehicle: String,
     },

@@ -50,10 +50,11 @@ impl<'a> Bench<'a> {
         self.spec.powertrain.converter.is_some()
     }
 
-    /// Whether a differential turns both wheels of an axle alike, by which its corners are those of no theory here.
+    /// Whether a differential, or the motors of the sides, turn both wheels of an axle alike, by which its corners are those of no theory
+    /// here.
     pub(crate) fn winds_up(&self) -> bool {
         let line = &self.spec.powertrain.driveline;
-        line.axles.iter().any(|a| a.differential == Differential::Locked {})
+        line.axles.iter().any(|a| a.differential == Differential::Locked {}) || self.spec.skid.is_some()
     }
 
     pub(crate) fn at_resolution(&self, soil_resolution: f64) -> Self {
@@ -69,9 +70,26 @@ impl<'a> Bench<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vehicles {
     All,
-    /// Vehicles on wheels: the event is of tyres, of single wheels, or of wheels that roll without slip about one centre.
+    /// Vehicles on wheels: the event is of tyres or of single wheels.
     Wheeled,
+    /// Vehicles on wheels with steered axles: the event is of wheels that roll without slip about one centre.
+    Steered,
+    /// Vehicles on wheels that are steered by the speeds of their sides.
+    SkidSteered,
     Tracked,
+}
+
+impl Vehicles {
+    /// As an adjective.
+    pub(crate) fn kind(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Wheeled => "wheeled",
+            Self::Steered => "wheel-steered",
+            Self::SkidSteered => "skid-steered",
+            Self::Tracked => "tracked",
+        }
+    }
 }
 
 /// What the vehicle is on in an event.
@@ -102,6 +120,8 @@ impl Event {
         match self.vehicles {
             Vehicles::All => true,
             Vehicles::Wheeled => spec.tracks.is_none(),
+            Vehicles::Steered => spec.tracks.is_none() && spec.skid.is_none(),
+            Vehicles::SkidSteered => spec.skid.is_some(),
             Vehicles::Tracked => spec.tracks.is_some(),
         }
     }

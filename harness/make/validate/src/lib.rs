@@ -5,7 +5,7 @@
 //! Theory is computed from the vehicle's own data, so it holds for every vehicle; figures of one vehicle come from a
 //! file ([`References`], `tasks/validation/*.yaml`), held against the vehicle in the set-up of their runs where the file states
 //! one ([`Setup`]). [`run`] runs events side by side and gives a [`Report`], which
-//! writes itself as a page, as JSON and as CSV.
+//! writes itself as a page, as JSON and as CSV. [`replay`] makes such a report of a [`Recording`] of a real vehicle.
 //!
 //! Units in figures, series and files are those named beside them: SI, angles in degrees, as people read them.
 
@@ -18,6 +18,7 @@ mod geometry;
 mod grounds;
 mod mobility_index;
 mod pace;
+mod recording;
 mod reference;
 mod report;
 mod result;
@@ -34,6 +35,7 @@ pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use error::ValidateError;
 pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};
 pub use events::{event, events};
+pub use recording::{Recording, replay};
 pub use reference::{Curve, References};
 pub use report::{Counts, Report, expected, number};
 pub use result::{EventResult, InSetup};

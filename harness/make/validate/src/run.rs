@@ -47,7 +47,7 @@ pub fn run(
     }
     for name in &options.events {
         if !event(name)?.fits(spec) {
-            let kind = if spec.tracks.is_some() { "wheeled" } else { "tracked" };
+            let kind = event(name)?.vehicles.kind();
             let vehicle = spec.name.clone();
             return Err(ValidateError::NotForVehicle { name: name.clone(), kind, vehicle });
         }

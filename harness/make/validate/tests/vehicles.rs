@@ -6,17 +6,20 @@ use std::path::{Path, PathBuf};
 use vb_validate::{Bench, Characteristics, References, RunOptions, run};
 use vb_vehicle::VehicleSpec;
 
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 13] = [
     "artcar",
     "feda",
     "gator",
     "hmmwv",
     "hmmwv-released",
+    "husky",
+    "jackal",
     "m113",
     "man10t",
     "man5t",
     "man7t",
     "verti4wheeler",
+    "warthog",
 ];
 
 fn tasks() -> PathBuf {
@@ -48,7 +51,7 @@ fn vehicles_other_than_the_released_one_have_the_warnings_that_their_pages_expla
             assert!(known.iter().any(|k| warning.contains(k)), "{name}: {warning}");
         }
     }
-    for name in ["artcar", "verti4wheeler"] {
+    for name in ["artcar", "husky", "jackal", "verti4wheeler", "warthog"] {
         assert!(characteristics(name).warnings().is_empty(), "{name} is too light to be warned about");
     }
 }
@@ -60,12 +63,11 @@ fn every_vehicle_is_driven_through_the_events_of_published_figures_or_the_event_
         let file = tasks().join(format!("validation/{name}.yaml"));
         let known =
             if file.exists() { References::load(&file, &spec).unwrap() } else { References::default() };
-        let wheeled = ["split-grip", "steady-circle"];
         let mut events: Vec<String> =
             ["data-sheet", "turning-circle", "side-slope"].map(str::to_owned).to_vec();
-        if spec.tracks.is_none() {
-            events.extend(wheeled.map(str::to_owned));
-        }
+        let more = ["split-grip", "steady-circle", "turn-in-place", "skid-turning"];
+        let fits = |name: &&str| vb_validate::event(name).unwrap().fits(&spec);
+        events.extend(more.into_iter().filter(fits).map(str::to_owned));
         let report =
             run(&spec, &[], &known, &RunOptions { events, ..RunOptions::default() }, |_| {}).unwrap();
         for r in &report.results {

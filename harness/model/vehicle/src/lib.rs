@@ -1,7 +1,7 @@
 //! Vehicles as data: the file format of `tasks/vehicles`, what it refuses, and the linkages of suspension and steering,
 //! solved once. Nothing here moves; `vb-sim` does that.
 //!
-//! - [`VehicleSpec`] is a file; its parts are in [`suspension`], [`tyre`], [`powertrain`] and [`tracks`].
+//! - [`VehicleSpec`] is a file; its parts are in [`suspension`], [`tyre`], [`powertrain`], [`tracks`] and [`skid`].
 //! - [`VehicleSpec::load`] reads one and refuses what no vehicle can be ([`DocumentError`]).
 //! - [`VehicleModel`] is a vehicle with its linkages solved ([`kinematics`]): what simulations share.
 //!
@@ -15,6 +15,7 @@ mod field;
 pub mod kinematics;
 mod model;
 pub mod powertrain;
+pub mod skid;
 pub mod suspension;
 pub mod table;
 pub mod tracks;

@@ -430,8 +430,8 @@ pub enum SteeredBy {
     /// The command moves the steering gears of the axles that have one.
     #[default]
     Wheels,
-    /// The command goes to the driveline, which drives the two sides at different speeds (tracked vehicles). No axle
-    /// has a steering gear.
+    /// The command goes to the driveline, which drives the two sides at different speeds (tracked vehicles and skid
+    /// steering). No axle has a steering gear.
     Differential,
 }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use crate::powertrain::Powertrain;
+use crate::skid::Skid;
 use crate::suspension::{Steering, SteeringGear, Suspension};
 use crate::tracks::Tracks;
 use crate::tyre::TyreSpec;
@@ -56,6 +57,9 @@ pub struct VehicleSpec {
     /// The belts about the wheels of each side, if it is a tracked vehicle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracks: Option<Tracks>,
+    /// The skid steering, if it is a vehicle on wheels that is steered by the speeds of its sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skid: Option<Skid>,
     /// The tyre on all wheels, but for those of axles with a tyre of their own.
     pub tyre: TyreSpec,
     /// The tyres that may be fitted instead, by name; see [`VehicleSpec::with_tyre`].

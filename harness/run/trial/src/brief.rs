@@ -129,4 +129,21 @@ mod tests {
         assert!(v.min_turn_radius > 0.5 * v.track && v.min_turn_radius < v.track, "{}", v.min_turn_radius);
         assert_eq!(v.wheels, 14);
     }
+
+    #[test]
+    fn a_skid_steered_robot_is_told_by_how_it_turns() {
+        let text = include_str!("../../../../tasks/vehicles/husky.yaml");
+        let spec = VehicleSpec::parse(text, "husky.yaml").unwrap();
+        let model = VehicleModel::new(spec.clone()).unwrap();
+        let v = planner_vehicle(&spec, &static_shape(&model, SimOptions::default()).unwrap(), 0.25);
+        assert!((v.wheelbase - 0.512).abs() < 1e-3 && (v.track - 0.555).abs() < 1e-3);
+        // The speeds of the sides differ by 1.04 of the mean at full command: on an effective track between the geometric one and
+        // twice the controller's, 0.555 · 1.875 m.
+        assert!(
+            v.min_turn_radius > 0.555 / 1.04 && v.min_turn_radius < 2.0 * 0.555 * 1.875 / 1.04,
+            "{}",
+            v.min_turn_radius
+        );
+        assert!(v.max_steer_angle > 0.1 && v.max_reverse_speed > 0.9, "{v:?}");
+    }
 }

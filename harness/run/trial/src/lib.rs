@@ -25,5 +25,5 @@ pub use episode::{Episode, sample};
 pub use error::TrialError;
 pub use gear::{commanded_gear, gear_number, numbered_gear, planner_gear, simulated_gear};
 pub use setting::{Keep, Place, Setting, Wants, is_time_step, start};
-pub use shape::{StaticShape, static_shape};
+pub use shape::{SkidShape, StaticShape, static_shape};
 pub use trial::{Trial, TrialResult};

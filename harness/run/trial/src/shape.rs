@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vb_math::{atan2, tan};
-use vb_sim::{Controls, Gear, SimError, SimOptions, Simulation, SoilSet, Start};
-use vb_vehicle::{VehicleModel, kinematics::Side};
+use vb_sim::{Controls, Gear, SimError, SimOptions, Simulation, SoilSet, Start, VehicleState};
+use vb_vehicle::{VehicleModel, VehicleSpec, kinematics::Side, suspension::SteeredBy};
 use vb_world::{Heightfield, TerrainClass, World};
 
 /// The dimensions of a vehicle that stands on level ground, and how far its wheels turn.
@@ -23,16 +23,27 @@ pub struct StaticShape {
     pub wheelbase: f64,
     /// The distance between the wheels of the first axle, m.
     pub track: f64,
-    /// The mean angle of the first axle's wheels at steering command 1, rad. For a tracked vehicle it is that of a
-    /// bicycle of its wheelbase which answers small commands by the same curvature.
+    /// The mean angle of the first axle's wheels at steering command 1, rad. For a vehicle on tracks or with
+    /// skid steering it is that of a bicycle of its wheelbase which answers small commands by the same curvature.
     pub max_steer_angle: f64,
     /// The radius of the reference point's circle at steering command 1, m: the circle without slip, or that on which a
-    /// tracked vehicle turns.
+    /// vehicle on tracks or with skid steering turns while it drives.
     pub min_turn_radius: f64,
+    /// How a vehicle with skid steering on wheels turns; none for others.
+    pub skid: Option<SkidShape>,
     /// The speed after ten seconds of full throttle in reverse, m/s; 0 for a vehicle without a reverse gear.
     pub max_reverse_speed: f64,
     /// The mass of the whole vehicle, kg.
     pub mass: f64,
+}
+
+/// How a vehicle with skid steering on wheels turns at steering command 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkidShape {
+    /// The distance of the sides at which wheels without slip would turn the vehicle as fast while it drives, m.
+    pub effective_track: f64,
+    /// The yaw rate without throttle, in place, rad/s.
+    pub in_place: f64,
 }
 
 /// Lets the vehicle settle on level ground and measures it.
@@ -59,10 +70,21 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
     let period = (PERIOD / options.step).round() as u64;
     let max_reverse_speed = backwards(&standing, period)?;
     let ground_clearance = if lowest.is_finite() { state.position.z + lowest } else { 0.0 };
-    if spec.tracks.is_some() {
-        let (first, last) = (axles[1], axles[axles.len() - 2]);
+    if spec.steering.by == SteeredBy::Differential {
+        let road = if spec.tracks.is_some() { &axles[1..axles.len() - 1] } else { &axles[..] };
+        let (first, last) = (road[0], road[road.len() - 1]);
         let wheelbase = first[0] - last[0];
-        let curvature = |command: f64| skid_steer(&standing, command, period);
+        let speed = SKID_SPEED.min(SKID_FRACTION * spec.max_speed);
+        let curvature = |command: f64| {
+            Ok::<f64, SimError>(curvature(&skid_steer(&standing, command, speed, period)?.state()))
+        };
+        let skid = match spec.skid {
+            Some(_) => Some(SkidShape {
+                effective_track: effective_track(spec, &skid_steer(&standing, 1.0, speed, period)?.state()),
+                in_place: skid_steer(&standing, 1.0, 0.0, period)?.state().angular_velocity_body.z,
+            }),
+            None => None,
+        };
         return Ok(StaticShape {
             length,
             width,
@@ -72,6 +94,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
             track: first[1],
             max_steer_angle: atan2(curvature(SMALL_COMMAND)? / SMALL_COMMAND * wheelbase, 1.0),
             min_turn_radius: 1.0 / curvature(1.0)?,
+            skid,
             max_reverse_speed,
             mass,
         });
@@ -99,6 +122,7 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
         track: first[1],
         max_steer_angle: steered,
         min_turn_radius: (rear * rear + ahead * ahead).sqrt(),
+        skid: None,
         max_reverse_speed,
         mass,
     })
@@ -107,21 +131,38 @@ pub fn static_shape(model: &VehicleModel, options: SimOptions) -> Result<StaticS
 /// The time for which controls are held where the vehicle is driven to be measured, s: a whole number of all time steps.
 const PERIOD: f64 = 0.01;
 
-/// The command by which a tracked vehicle's answer to small ones is measured.
+/// The command by which the answer to small ones of a vehicle that is steered by its driveline is measured.
 const SMALL_COMMAND: f64 = 0.2;
 
-/// Curvature of a tracked vehicle's way at a steering command, 1/m: driven on level ground for eight seconds at 3 m/s, with
-/// `period` steps in [`PERIOD`].
-fn skid_steer(standing: &Simulation, steering: f64, period: u64) -> Result<f64, SimError> {
+/// The speed at which a vehicle that is steered by its driveline is measured, m/s, and its greatest fraction of the top speed.
+const SKID_SPEED: f64 = 3.0;
+const SKID_FRACTION: f64 = 0.9;
+
+/// A vehicle that is steered by its driveline, after it was driven on level ground for eight seconds at a steering command and a
+/// speed (m/s), with `period` steps in [`PERIOD`]. At speed 0 nothing is pressed.
+fn skid_steer(standing: &Simulation, steering: f64, speed: f64, period: u64) -> Result<Simulation, SimError> {
     let mut sim = standing.clone();
     for _ in 0..800 {
-        let e = 3.0 - sim.state().velocity_body.x;
+        let e = if speed > 0.0 { speed - sim.state().velocity_body.x } else { 0.0 };
         let (throttle, brake) = (e.clamp(0.0, 1.0), (-e).clamp(0.0, 1.0));
         let controls = Controls { steering, throttle, brake, ..Controls::default() };
         sim.advance(controls, period)?;
     }
-    let s = sim.state();
-    Ok(s.angular_velocity_body.z / s.velocity_body.x)
+    Ok(sim)
+}
+
+/// The curvature of the way, 1/m.
+fn curvature(s: &VehicleState) -> f64 {
+    s.angular_velocity_body.z / s.velocity_body.x
+}
+
+/// The distance of the sides at which wheels without slip would turn the vehicle as fast, m.
+fn effective_track(spec: &VehicleSpec, s: &VehicleState) -> f64 {
+    let side = |k: usize| {
+        let wheels = s.wheels.iter().skip(k).step_by(2);
+        wheels.map(|w| w.speed).sum::<f64>() / spec.axles.len() as f64 * spec.tyre.radius()
+    };
+    (side(1) - side(0)) / s.angular_velocity_body.z
 }
 
 /// The speed backwards after ten seconds of full throttle on level ground, m/s, with `period` steps in [`PERIOD`].
@@ -199,7 +240,6 @@ impl Reach {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vb_vehicle::VehicleSpec;
 
     #[test]
     fn a_vehicle_is_as_large_as_its_hull_and_the_outer_faces_of_its_tyres() {
@@ -220,6 +260,12 @@ mod tests {
             ("artcar", 0.64262, 0.41748),
             // Tyres 2 (0.1 + 0.0205); hull 0.2.
             ("verti4wheeler", 0.49, 0.241),
+            // Tyres 2 (0.2775 + 0.05715), the hull 0.9874 long.
+            ("husky", 0.9874, 0.6693),
+            // Wheels 2 (0.131 + 0.098) and 2 (0.187795 + 0.02).
+            ("jackal", 0.458, 0.41559),
+            // Fenders of 1.52; tyres 2 (0.56821 + 0.125).
+            ("warthog", 1.52, 1.38642),
         ];
         for (name, length, width) in expected {
             let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -15,7 +15,7 @@ pub(super) const STEADY_CIRCLE: Event = Event {
     about: "A left circle of 30 m radius at μ 0.9, from 2 m/s faster by 0.2 m/s² up to a lateral acceleration of 6 m/s² or to the \
             vehicle's top speed (ISO 4138, constant radius): the angle of the front wheels over the lateral acceleration, and its slope, the \
             understeer gradient.",
-    vehicles: Vehicles::Wheeled,
+    vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: steady_circle,
 };

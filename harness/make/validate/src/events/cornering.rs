@@ -15,7 +15,7 @@ pub(super) const CORNERING: Event = Event {
     title: "Constant steering",
     about: "Fixed steering from rest to 4 m/s under the speed controller, 20 s; means of the last 10 s. Also to the right, at \
             μ 0.5, at 2 and at 8 m/s.",
-    vehicles: Vehicles::Wheeled,
+    vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: cornering,
 };
@@ -158,7 +158,7 @@ pub(super) const STEP_STEER: Event = Event {
     name: "step-steer",
     title: "Step steer at 8 m/s",
     about: "Straight at 8 m/s for 9 s, then a step of the steering command; speed controller on.",
-    vehicles: Vehicles::Wheeled,
+    vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: step_steer,
 };
@@ -217,7 +217,7 @@ pub(super) const BODY_ROLL: Event = Event {
     title: "Body roll in a corner and on a tilt table",
     about: "Steady corners at 8 m/s, and the vehicle standing on a table tilted until gravity has the same component along \
             the ground: by the equivalence principle the body must lean by the same angle.",
-    vehicles: Vehicles::Wheeled,
+    vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: body_roll,
 };

@@ -11,6 +11,7 @@ mod longitudinal;
 mod obstacle;
 mod rest;
 mod reverse;
+mod skid;
 mod slopes;
 mod soil;
 mod soil_published;
@@ -41,6 +42,8 @@ const EVENTS: &[Event] = &[
     circle::STEADY_CIRCLE,
     turning::TURNING_CIRCLE,
     tracks::TURNING,
+    skid::IN_PLACE,
+    skid::TURNING,
     grades::GRADE_HELD,
     grades::GRADE_FULL,
     grades::GRADE_PUBLISHED,

@@ -141,7 +141,7 @@ pub(super) const TURNING: Event = Event {
     name: "reverse-turning",
     title: "Turning backwards",
     about: "Half and full lock to the left at 1 m/s, forwards and backwards: radius of the reference point, positive to the left.",
-    vehicles: Vehicles::Wheeled,
+    vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: turning,
 };

@@ -8,16 +8,22 @@ use crate::powertrain::{Demand, Drive, Wheels};
 use crate::state::{Controls, Gear};
 use vb_vehicle::MAX_WHEELS;
 
-/// What the driver asks of the powertrain, with what a governor leaves of the throttle, while `direction` is in. In reverse
+/// What the driver asks of the powertrain, with what a governor leaves of the throttle, while `direction` is in and the steering follows as far as `steering`. In reverse
 /// the governor looks at the speed backwards. The gearbox goes by the speed of the reference point, which is what a driver
 /// is told.
-pub(super) fn demand(design: &Design, body: &Body, direction: Gear, controls: &Controls) -> Demand {
+pub(super) fn demand(
+    design: &Design,
+    body: &Body,
+    direction: Gear,
+    controls: &Controls,
+    steering: f64,
+) -> Demand {
     let forward = body.q * V3::x();
     let speed = body.v_world.dot(&forward);
     let ahead = if direction == Gear::Reverse { -speed } else { speed };
     let throttle = design.governor.map_or(controls.throttle, |g| controls.throttle.min(g.ceiling(ahead)));
     let turning = body.w_world.cross(&(body.q * design.reference)).dot(&forward);
-    Demand { throttle, gear: controls.gear, speed: speed + turning }
+    Demand { throttle, gear: controls.gear, speed: speed + turning, steering }
 }
 
 /// What turns with the driveline, which is wheels or sprockets, and what acts on each.

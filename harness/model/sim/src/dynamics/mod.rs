@@ -224,7 +224,7 @@ impl Vehicle {
         };
         let load = contact::steering_load(design, &kinematics, forces);
         state.steering.bear(load, steering.rate, dt);
-        let demand = drive::demand(design, &state.body, state.drive.gear(), &controls);
+        let demand = drive::demand(design, &state.body, state.drive.gear(), &controls, steering.command);
         let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
         let increments = solve::solve(design, &kinematics, forces, &driven, gravity_world, dt);
         integrate::integrate(state, steering, &driven, &increments, dt);

@@ -36,4 +36,9 @@ impl Vehicle {
             SteeringState { command: told.steering, work: state.steering.work, ..SteeringState::default() };
         state.drive.engage(told.gear, gear, told.engine_speed);
     }
+
+    /// Makes the wheels of each side turn at these speeds (rad/s). Returns whether the vehicle has motors for its sides.
+    pub(crate) fn prescribe_spins(&mut self, spins: Option<[f64; 2]>) -> bool {
+        self.state.drive.prescribe(spins)
+    }
 }

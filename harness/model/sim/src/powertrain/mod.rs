@@ -3,15 +3,18 @@
 mod converter;
 mod driveline;
 mod gearbox;
+mod sides;
 
 use crate::state::Gear;
 use converter::FreeEngine;
 pub(crate) use driveline::Wheels;
 use driveline::{Driveline, Input};
 use gearbox::Shifter;
+use sides::Sides;
 use vb_vehicle::{
     VehicleSpec,
     powertrain::{Engine, Powertrain},
+    skid::Skid,
 };
 
 /// What an engine does at the input shaft of the gearbox in one step.
@@ -40,6 +43,9 @@ pub struct DriveState {
     pub shaft_speed: f64,
     /// The torque on the gearbox' output shaft, N m, positive when it pushes the vehicle forward.
     pub shaft_torque: f64,
+    /// The power that engine and gearbox gave to the output shaft in the last step, W; negative when they drag. It is that of all
+    /// motors where each side has its own.
+    pub power: f64,
 }
 
 /// What the driver asks of a powertrain in one step.
@@ -50,6 +56,8 @@ pub(crate) struct Demand {
     pub(crate) gear: Gear,
     /// Speed of the vehicle over ground, positive forwards, m/s.
     pub(crate) speed: f64,
+    /// The steering command, in [-1, 1], which only motors of the sides follow.
+    pub(crate) steering: f64,
 }
 
 /// What a powertrain has to move.
@@ -61,6 +69,8 @@ pub(crate) struct Load<'a> {
     pub(crate) radius: f64,
     /// Pairs of wheels, front to back.
     pub(crate) pairs: Vec<Pair>,
+    /// If the vehicle is steered by the speeds of its wheels.
+    pub(crate) skid: Option<Skid>,
 }
 
 /// Two wheels, or two sprockets, on one axle.
@@ -80,6 +90,7 @@ impl<'a> Load<'a> {
             mass: v.total_mass(),
             radius: driven.radius(),
             pairs: v.axles.iter().map(|a| Pair { inertia: a.spin_inertia, driven: a.driven }).collect(),
+            skid: v.skid,
         }
     }
 }
@@ -91,6 +102,8 @@ pub(crate) struct Drive {
     free: Option<FreeEngine>,
     shifter: Shifter,
     driveline: Driveline,
+    /// The motors of the sides, in the place of engine and driveline.
+    sides: Option<Box<Sides>>,
     /// The vehicle's inertia as the output shaft feels it, kg m².
     vehicle_inertia: f64,
     state: DriveState,
@@ -105,11 +118,16 @@ impl Drive {
         let lever = load.radius / driveline.reduction();
         let free = p.converter.as_ref().map(|c| FreeEngine::new(c, &p.engine));
         let engine_speed = free.as_ref().map_or(0.0, |f| f.speed);
+        let sides = load.skid.map(|skid| {
+            let inertias: Vec<f64> = load.pairs.iter().map(|pair| pair.inertia).collect();
+            Box::new(Sides::new(skid, p, &inertias, load.radius))
+        });
         Self {
             engine: p.engine.clone(),
             free,
             shifter: Shifter::new(&p.gearbox),
             driveline,
+            sides,
             vehicle_inertia: load.mass * lever * lever,
             work: 0.0,
             state: DriveState { gear: 1, engine_speed, ..DriveState::default() },
@@ -141,7 +159,10 @@ impl Drive {
 
     /// Energy of all that turns from the output shaft to the wheels, J; `spin` gives those of the wheels, rad/s.
     pub(crate) fn energy(&self, spin: impl Fn(usize) -> f64) -> f64 {
-        self.driveline.energy(spin)
+        match &self.sides {
+            Some(sides) => sides.energy(spin),
+            None => self.driveline.energy(spin),
+        }
     }
 
     /// All numbers that the next step depends on, beside the wheels' spins.
@@ -155,6 +176,10 @@ impl Drive {
         let pending = self.shifter.select(demand.gear, demand.speed, dt);
         // Until the direction is in that the driver asks for, the engine doesn't push in another.
         let throttle = if pending { 0.0 } else { demand.throttle };
+        if self.sides.is_some() {
+            self.turn_sides(&Demand { throttle, ..*demand }, wheels, dt);
+            return;
+        }
         let shaft = self.driveline.shaft_speed(wheels.spins);
         let ratio = self.shifter.ratio();
         let input = shaft / ratio;
@@ -191,7 +216,8 @@ impl Drive {
         }
         let torque = given.torque - given.drag * (after - shaft) - held;
         // What spins up the engine does not reach the shaft.
-        self.work += dt * 0.5 * (shaft + after) * (torque - given.inertia * (after - shaft) / dt);
+        let work = dt * 0.5 * (shaft + after) * (torque - given.inertia * (after - shaft) / dt);
+        self.work += work;
         self.shifter.sense(torque - self.vehicle_inertia * (after - shaft) / dt, dt);
         let turning = if neutral { 0.0 } else { input.abs() };
         self.state = DriveState {
@@ -200,9 +226,37 @@ impl Drive {
             engine_torque,
             shaft_speed: after,
             shaft_torque: torque,
+            power: work / dt,
         };
         let engine = &self.engine;
         self.shifter.shift(input.abs(), |speed, r| engine.torque(speed, throttle) / r);
+    }
+
+    /// A step in which motors turn the sides.
+    fn turn_sides(&mut self, demand: &Demand, wheels: &mut Wheels<'_>, dt: f64) {
+        let Some(sides) = &self.sides else { return };
+        let direction = self.shifter.direction();
+        let done = sides.advance(&self.engine, direction, demand, wheels, dt);
+        self.work += done.work;
+        let motors = sides.motor_speed(done.spin).abs();
+        let per_motor = if direction == Gear::Reverse { -1.0 } else { 1.0 } / sides.motor_speed(1.0);
+        self.state = DriveState {
+            gear: self.shifter.number(),
+            engine_speed: if direction == Gear::Neutral { 0.0 } else { motors },
+            engine_torque: done.torque * per_motor,
+            shaft_speed: sides.shaft_speed(done.spin),
+            shaft_torque: done.torque / sides.shaft_speed(1.0),
+            power: done.work / dt,
+        };
+    }
+
+    /// Makes the wheels of the left and the right side turn at these speeds (rad/s), or lets the motors turn them again. Returns
+    /// whether the vehicle has motors for its sides.
+    #[cfg(feature = "rig")]
+    pub(crate) fn prescribe(&mut self, spins: Option<[f64; 2]>) -> bool {
+        let Some(sides) = &mut self.sides else { return false };
+        sides.prescribe(spins);
+        true
     }
 }
 

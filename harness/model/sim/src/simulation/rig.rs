@@ -70,4 +70,11 @@ impl Rig<'_> {
         self.0.vehicle.gravity_world = V3::from(gravity_world);
         self.0.energy.forget();
     }
+
+    /// Makes the wheels of the left and of the right side turn at these speeds (rad/s, positive forwards) from the next step on,
+    /// whatever the controls ask for; `None` lets the motors turn them again. Returns whether the vehicle is skid steered on
+    /// wheels: others go on as before. It serves comparisons with records.
+    pub fn turn_sides(&mut self, spins: Option<[f64; 2]>) -> bool {
+        self.0.vehicle.prescribe_spins(spins)
+    }
 }

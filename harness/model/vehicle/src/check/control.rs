@@ -27,13 +27,12 @@ fn lock(axle: &AxleKinematics) -> f64 {
 impl Check {
     /// Refuses vehicles that no command steers.
     pub(super) fn can_steer(&self, v: &VehicleSpec, axles: &[AxleKinematics]) -> Result<(), Flaw> {
-        // The driveline of tracks steers by `tracks.steering_torque`, which is positive.
-        if v.steering.by != SteeredBy::Wheels || v.tracks.is_some() {
+        // The driveline of tracks steers by `tracks.steering_torque`, that of skid steering by `skid`: both are positive.
+        if v.steering.by != SteeredBy::Wheels || v.tracks.is_some() || v.skid.is_some() {
             return Ok(());
         }
         if v.axles.iter().all(|a| a.steering.is_none()) {
-            let reason = "no axle has `steering`, so the vehicle can't steer (give one a steering gear; skid steering by wheels is not \
-                          modelled)";
+            let reason = "no axle has `steering`, so the vehicle can't steer (give one a steering gear, or the vehicle `skid`)";
             return self.fail("axles", reason.to_owned());
         }
         let locks = || axles.iter().map(lock);

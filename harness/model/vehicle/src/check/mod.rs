@@ -3,6 +3,7 @@
 mod control;
 mod load;
 mod powertrain;
+mod skid;
 mod suspension;
 mod tracks;
 mod tyre;
@@ -75,8 +76,10 @@ impl Check {
         self.carries(v, &axles)?;
         self.can_steer(v, &axles)?;
         self.steering(v)?;
+        self.steered_by(v)?;
         self.tyres(v)?;
         self.tracks(v)?;
+        self.skid(v)?;
         self.powertrain(v)?;
         self.can_brake(v)?;
         self.can_drive(v)

@@ -462,7 +462,7 @@ mod tests {
                 ("  rate: 10.0 ", "  by: differential\n  rate: 10.0 "),
                 ("    steering: {type: rack_and_pinion, travel: 0.0523598776}\n", ""),
             ],
-            "steering.by: differential, but only tracked vehicles are steered so, and there are no tracks",
+            "steering.by: differential, but there is neither `tracks` nor `skid`, which say how the sides turn at different speeds",
         );
     }
 

@@ -1,28 +1,12 @@
 //! Belts.
 
 use super::Check;
-use crate::{
-    TyreSpec, VehicleSpec,
-    suspension::{Linkage, SteeredBy},
-    tracks::Tracks,
-};
+use crate::{TyreSpec, VehicleSpec, suspension::Linkage, tracks::Tracks};
 use vb_files::Flaw;
 
 impl Check {
     pub(super) fn tracks(&self, v: &VehicleSpec) -> Result<(), Flaw> {
-        let Some(t) = &v.tracks else {
-            if v.steering.by == SteeredBy::Differential {
-                let reason =
-                    "differential, but only tracked vehicles are steered so, and there are no tracks";
-                return self.fail("steering.by", reason.to_owned());
-            }
-            return Ok(());
-        };
-        if v.steering.by != SteeredBy::Differential {
-            let reason =
-                "wheels, but a tracked vehicle is steered by its driveline; write `by: differential`";
-            return self.fail("steering.by", reason.to_owned());
-        }
+        let Some(t) = &v.tracks else { return Ok(()) };
         self.positive("tracks.thickness", t.thickness)?;
         self.positive("tracks.mass", t.mass)?;
         self.positive("tracks.tension", t.tension)?;

@@ -61,7 +61,7 @@ pub(crate) fn sprockets(v: &VehicleSpec) -> Option<Load<'_>> {
         inertia += a.spin_inertia * ratio * ratio;
     }
     let pairs = vec![Pair { inertia, driven: true }];
-    Some(Load { powertrain: &v.powertrain, mass: v.total_mass(), radius, pairs })
+    Some(Load { powertrain: &v.powertrain, mass: v.total_mass(), radius, pairs, skid: None })
 }
 
 impl Track {

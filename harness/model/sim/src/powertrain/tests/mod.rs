@@ -3,6 +3,7 @@
 mod driveline;
 mod engine;
 mod reverse;
+mod sides;
 
 use super::*;
 use vb_vehicle::powertrain::{Converter, Differential, DrivenAxle, Engine, LockUp};
@@ -86,6 +87,7 @@ struct Bench {
     brakes: Vec<f64>,
     torques: Vec<f64>,
     gear: Gear,
+    steering: f64,
 }
 
 impl Bench {
@@ -98,6 +100,7 @@ impl Bench {
             brakes: vec![0.0; n],
             torques: vec![0.0; n],
             gear: Gear::Forward,
+            steering: 0.0,
         }
     }
 
@@ -110,7 +113,11 @@ impl Bench {
             brakes: &self.brakes,
             torques: &mut self.torques,
         };
-        self.drive.advance(&Demand { throttle, gear: self.gear, speed }, &mut wheels, dt);
+        self.drive.advance(
+            &Demand { throttle, gear: self.gear, speed, steering: self.steering },
+            &mut wheels,
+            dt,
+        );
     }
 
     /// A step from a speed that all wheels are given.
