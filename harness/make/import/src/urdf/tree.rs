@@ -131,11 +131,11 @@ pub(super) fn read(
             best
         }
     };
-    for k in 0..links.len() {
+    for (k, link) in links.iter().enumerate() {
         if !roots.iter().any(|r| reaches(&joints, &parents, k, *r)) {
             return Err(ImportError::new(
                 file.display(),
-                format!("link {}", links[k].name),
+                format!("link {}", link.name),
                 "its joints make a loop; a robot is a tree",
             ));
         }

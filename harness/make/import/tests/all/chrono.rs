@@ -328,7 +328,7 @@ fn engines_transmissions_drivelines_and_tyres_of_all_templates_are_read() {
         if let TyreSpec::Tmeasy(t) = &i.spec.tyre {
             // a1² = 2·180² − 190², a2 = (190² − 180²) / (4·4 kN).
             assert!(
-                (t.vertical_stiffness - (2.0 * 180e3_f64.powi(2) - 190e3_f64.powi(2)).sqrt()).abs() < 1.0
+                (t.vertical_stiffness - (2.0 * 180e3_f64 * 180e3 - 190e3_f64 * 190e3).sqrt()).abs() < 1.0
             );
             assert_eq!(t.carcass_stiffness, [160e3, 120e3]);
         }

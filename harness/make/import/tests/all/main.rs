@@ -1,5 +1,7 @@
 //! Tests of conversions: small sets with values of our own, and Chrono's where the reference data are there.
 
+#![allow(clippy::unwrap_used, reason = "a test that fails panics")]
+
 mod chrono;
 mod invalid;
 mod shared;
