@@ -1,0 +1,487 @@
+//! Robots as URDF, with xacro expanded: wheels on continuous joints, everything else one body.
+
+mod expr;
+mod tree;
+mod xacro;
+mod xml;
+
+use crate::chrono::{Draft, build, to_the_left, travels};
+use crate::hull::{outermost, solid};
+use crate::place::{Mass, length, scale, sub, turn};
+use crate::{ImportError, Imported, Notes, Options};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tree::{Pose, Robot};
+use vb_vehicle::powertrain::{
+    Differential, DirectionChange, Driveline, DrivenAxle, Engine, Gearbox, Powertrain,
+};
+use vb_vehicle::suspension::{
+    Damper, DoubleWishbone, Linkage, Part, RigidMount, Spring, SteeredBy, Steering, SteeringGear, Strut,
+    Suspension,
+};
+use vb_vehicle::tyre::BrushTyre;
+use vb_vehicle::{Axle, GRAVITY, MAX_WHEELS, Point, TyreSpec, VehicleSpec};
+use xml::Element;
+
+/// Parts of the hull; more become one part.
+const PARTS: usize = 32;
+/// Top speed of robots whose joints have no limit of velocity, m/s.
+const SPEED: f64 = 2.0;
+
+/// A wheel in the frame of the root link.
+#[derive(Clone, Debug)]
+struct Wheel {
+    joint: String,
+    centre: Point,
+    radius: f64,
+    width: f64,
+    mass: f64,
+    spin: f64,
+    /// Greatest steering angle, rad, if a joint steers it.
+    steers: Option<f64>,
+    effort: Option<f64>,
+    velocity: Option<f64>,
+}
+
+/// Converts a URDF or xacro file.
+///
+/// # Errors
+/// Returns an error if the file is malformed or describes no vehicle that the simulator has.
+pub fn import(file: &Path, text: &str, options: &Options) -> Result<Imported, ImportError> {
+    let mut notes = Notes::default();
+    let name = file.display().to_string();
+    let root = Element::parse(text.trim_start_matches('\u{feff}'), &name)?;
+    let root = xacro::expand(file, &root, options, &mut notes)?;
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    for c in root.children.iter().filter(|c| !matches!(c.name.as_str(), "link" | "joint")) {
+        *kinds.entry(c.name.as_str()).or_default() += 1;
+    }
+    for (kind, count) in kinds {
+        notes.dropped(format!("<{kind}>, {count} of them"));
+    }
+    let robot = tree::read(&root, file, options.data.as_deref(), &mut notes)?;
+    let robot_name = root.get("name").unwrap_or("robot").to_owned();
+    let spec = convert(&robot, robot_name, &name, options, &mut notes)?;
+    let mut imported = Imported { spec, notes, source: format!("the robot description {name}") };
+    crate::chrono::deviations(&mut imported);
+    Ok(imported)
+}
+
+/// Poses of all links in the frame of the root, and for each the joint that holds it.
+fn poses(robot: &Robot) -> Vec<Option<(Pose, Option<usize>)>> {
+    let mut out: Vec<Option<(Pose, Option<usize>)>> = vec![None; robot.links.len()];
+    out[robot.root] = Some((Pose::ORIGIN, None));
+    // A robot is a tree, so every pass places a generation.
+    for _ in 0..robot.links.len() {
+        let mut changed = false;
+        for (k, j) in robot.joints.iter().enumerate() {
+            if let (Some((parent, _)), None) = (out[j.parent], out[j.child]) {
+                out[j.child] = Some((parent.of(&j.pose), Some(k)));
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    out
+}
+
+fn convert(
+    robot: &Robot,
+    name: String,
+    file: &str,
+    options: &Options,
+    notes: &mut Notes,
+) -> Result<VehicleSpec, ImportError> {
+    let poses = poses(robot);
+    let mut wheels = Vec::new();
+    let mut within = vec![None; robot.links.len()];
+    for (k, j) in robot.joints.iter().enumerate() {
+        if j.kind != "continuous" {
+            continue;
+        }
+        let Some((pose, _)) = poses[j.child] else { continue };
+        let axis = turn(&pose.axes, j.axis);
+        let axis = scale(axis, 1.0 / length(axis).max(1e-12));
+        if axis[1].abs() < 0.7 {
+            if axis[2].abs() < 0.7 {
+                notes.dropped(format!(
+                    "joint {}: continuous, but its axis does not lie across the robot; it is taken as fixed",
+                    j.name
+                ));
+            }
+            continue;
+        }
+        let Some(wheel) = wheel(robot, &poses, k, notes)? else { continue };
+        for l in descendants(robot, j.child) {
+            within[l] = Some(wheels.len());
+        }
+        wheels.push(wheel);
+    }
+    if wheels.is_empty() {
+        let problem = "no wheels: no continuous joint has an axis across the robot and a link with a collision shape; give wheels \
+                       joints of type=\"continuous\" with an axis along y and a cylinder";
+        return Err(ImportError::new(file, "", problem));
+    }
+    for j in &robot.joints {
+        if !matches!(j.kind.as_str(), "fixed" | "continuous")
+            && poses[j.child].is_some()
+            && within[j.child].is_none()
+        {
+            notes.approximated(format!(
+                "joint {}: {}, but everything between the wheels is one body",
+                j.name, j.kind
+            ));
+        }
+    }
+    let (sprung, hull) = body(robot, &poses, &within, file)?;
+    let pairs = pair(wheels, file)?;
+    let total = sprung.mass + pairs.iter().map(|p| p[0].mass + p[1].mass).sum::<f64>();
+    let load = total * GRAVITY / (2 * pairs.len()) as f64;
+    let by = steered_by(&pairs, file)?;
+    let axles: Vec<Axle> =
+        pairs.iter().enumerate().map(|(i, p)| axle(i, pairs.len(), p, load, notes)).collect();
+    let tyres: Vec<TyreSpec> = pairs.iter().map(|p| TyreSpec::Brush(tyre(&p[0], load))).collect();
+    notes.assumed("tyres: a brush with a friction of 0.9 and 5 % of deflection at rest; set them from data of the robot's tyres");
+    notes.assumed("steering.rate: 2 per second");
+    let first = pairs[0][0].centre;
+    let last = pairs[pairs.len() - 1][0].centre;
+    let z = pairs.iter().map(|p| p[0].centre[2]).sum::<f64>() / pairs.len() as f64;
+    let origin = [0.5 * (first[0] + last[0]), 0.0, z];
+    let powertrain = motors(&pairs, total, notes);
+    let draft = Draft {
+        name,
+        sprung,
+        seat: None,
+        hull,
+        friction: None,
+        axles,
+        tyres,
+        steering: Steering { rate: 2.0, force: None, torque: None, by },
+        tracks: None,
+        powertrain,
+    };
+    let mut spec = build(draft, origin, options, notes)?;
+    for k in 0..spec.axles.len() {
+        let radius = spec.tyre_of(&spec.axles[k]).radius();
+        travels(&mut spec.axles[k], radius, load, notes)?;
+    }
+    to_the_left(&mut spec, notes);
+    Ok(spec)
+}
+
+/// The way in which a robot with these axles is steered. Skid steering of wheels belongs here once vehicles have it.
+fn steered_by(pairs: &[[Wheel; 2]], file: &str) -> Result<SteeredBy, ImportError> {
+    if pairs.iter().flatten().any(|w| w.steers.is_some()) {
+        return Ok(SteeredBy::Wheels);
+    }
+    let problem = format!(
+        "no joint steers a wheel ({} wheels, all on continuous joints across the robot); skid steering of wheels is not among the \
+         vehicles that can be written",
+        2 * pairs.len()
+    );
+    Err(ImportError::new(file, "", problem))
+}
+
+fn descendants(robot: &Robot, root: usize) -> Vec<usize> {
+    let mut out = vec![root];
+    let mut k = 0;
+    while k < out.len() {
+        let link = out[k];
+        out.extend(robot.joints.iter().filter(|j| j.parent == link).map(|j| j.child));
+        k += 1;
+    }
+    out
+}
+
+/// The wheel on a joint: its size is that of the collision shapes that turn with it.
+fn wheel(
+    robot: &Robot,
+    poses: &[Option<(Pose, Option<usize>)>],
+    joint: usize,
+    notes: &mut Notes,
+) -> Result<Option<Wheel>, ImportError> {
+    let j = &robot.joints[joint];
+    let Some((hub, _)) = poses[j.child] else { return Ok(None) };
+    let (mut mass, mut radius, mut width) = (Mass::default(), 0.0_f64, 0.0_f64);
+    for l in descendants(robot, j.child) {
+        let Some((pose, _)) = poses[l] else { continue };
+        let link = &robot.links[l];
+        if link.massive {
+            mass = mass.plus(&link.mass.moved(pose.at, &pose.axes));
+        }
+        for p in link.shapes.iter().flat_map(|s| &s.points) {
+            let d = sub(pose.point(*p), hub.at);
+            radius = radius.max(vb_math::hypot(d[0], d[2]));
+            width = width.max(2.0 * d[1].abs());
+        }
+    }
+    if radius <= 0.0 {
+        notes.dropped(format!("joint {}: its link has no collision shape, so it is no wheel", j.name));
+        return Ok(None);
+    }
+    let inertia = if mass.mass > 0.0 { mass.central().1[1][1] } else { 0.0 };
+    if mass.mass <= 0.0 {
+        notes.assumed(format!("joint {}: a wheel of 1 kg, since its link has no mass", j.name));
+        mass.mass = 1.0;
+    }
+    let solid_disc = 0.5 * mass.mass * radius * radius;
+    let spin = if inertia > 0.0 { inertia } else { solid_disc };
+    Ok(Some(Wheel {
+        joint: j.name.clone(),
+        centre: hub.at,
+        radius,
+        width: width.max(0.05 * radius),
+        mass: mass.mass,
+        spin,
+        steers: steers(robot, poses, j.parent),
+        effort: j.limit[2].filter(|x| *x > 0.0),
+        velocity: j.limit[3].filter(|x| *x > 0.0),
+    }))
+}
+
+/// The greatest angle of the joint with an upright axis that carries a link, if there is one.
+fn steers(robot: &Robot, poses: &[Option<(Pose, Option<usize>)>], mut link: usize) -> Option<f64> {
+    while let Some((pose, Some(k))) = poses[link] {
+        let j = &robot.joints[k];
+        let axis = turn(&pose.axes, j.axis);
+        let upright = axis[2].abs() > 0.8 * length(axis);
+        if upright && matches!(j.kind.as_str(), "revolute" | "continuous") {
+            let limit = j.limit[0].into_iter().chain(j.limit[1]).map(f64::abs).fold(0.0, f64::max);
+            return Some(if limit > 0.0 { limit.min(1.0) } else { 0.5 });
+        }
+        link = j.parent;
+    }
+    None
+}
+
+/// The body of all links that turn with no wheel, and its convex parts.
+fn body(
+    robot: &Robot,
+    poses: &[Option<(Pose, Option<usize>)>],
+    within: &[Option<usize>],
+    file: &str,
+) -> Result<(Mass, Vec<Vec<Point>>), ImportError> {
+    let mut mass = Mass::default();
+    let mut hull: Vec<Vec<Point>> = Vec::new();
+    for (l, link) in robot.links.iter().enumerate() {
+        let (Some((pose, _)), None) = (poses[l], within[l]) else { continue };
+        if link.massive {
+            mass = mass.plus(&link.mass.moved(pose.at, &pose.axes));
+        }
+        for s in &link.shapes {
+            let points: Vec<Point> = s.points.iter().map(|p| pose.point(*p)).collect();
+            if solid(&points) {
+                hull.push(points);
+            }
+        }
+    }
+    if mass.mass <= 0.0 {
+        return Err(ImportError::new(
+            file,
+            "",
+            "no link but the wheels has a mass; give the body an <inertial>",
+        ));
+    }
+    if hull.len() > PARTS {
+        hull = vec![outermost(&hull.concat())];
+    }
+    Ok((mass, hull))
+}
+
+/// Wheels in pairs, from front to back, left before right.
+fn pair(mut wheels: Vec<Wheel>, file: &str) -> Result<Vec<[Wheel; 2]>, ImportError> {
+    let mut out: Vec<[Wheel; 2]> = Vec::new();
+    wheels.sort_by(|a, b| b.centre[0].total_cmp(&a.centre[0]));
+    while let Some(k) = wheels.iter().position(|w| w.centre[1] > 0.0) {
+        let left = wheels.remove(k);
+        let near = 0.5 * left.radius;
+        let partner = wheels.iter().position(|w| {
+            let mirror = [left.centre[0], -left.centre[1], left.centre[2]];
+            w.centre[1] < 0.0 && length(sub(w.centre, mirror)) < near
+        });
+        let Some(p) = partner else {
+            let problem = format!(
+                "no wheel stands opposite at ({:.3}, {:.3}) m; axles have two",
+                left.centre[0], -left.centre[1]
+            );
+            return Err(ImportError::new(file, format!("joint {}", left.joint), problem));
+        };
+        let right = wheels.remove(p);
+        out.push([left, right]);
+    }
+    if let Some(w) = wheels.first() {
+        let problem = format!(
+            "no wheel stands opposite at ({:.3}, {:.3}) m; axles have two",
+            w.centre[0], -w.centre[1]
+        );
+        return Err(ImportError::new(file, format!("joint {}", w.joint), problem));
+    }
+    if !(2..=MAX_WHEELS / 2).contains(&out.len()) {
+        let problem = format!(
+            "{} axles; the simulator has vehicles with 2 to {} (casters have no counterpart)",
+            out.len(),
+            MAX_WHEELS / 2
+        );
+        return Err(ImportError::new(file, "", problem));
+    }
+    Ok(out)
+}
+
+fn tyre(w: &Wheel, load: f64) -> BrushTyre {
+    let vertical_stiffness = load / (0.05 * w.radius);
+    BrushTyre {
+        radius: w.radius,
+        width: w.width,
+        friction: 0.9,
+        vertical_stiffness,
+        vertical_damping: 0.2 * (vertical_stiffness * load / GRAVITY).sqrt(),
+        slip_stiffness: [17.8, 7.4],
+        relaxation_length: [0.5 * w.radius, w.radius],
+        damping_ratio: 0.25,
+        rolling_resistance: 0.015,
+    }
+}
+
+/// The axle of two wheels: fixed to the body, or on short wishbones if a joint steers them.
+fn axle(index: usize, count: usize, [left, right]: &[Wheel; 2], load: f64, notes: &mut Notes) -> Axle {
+    let r = left.radius;
+    let y = 0.5 * (left.centre[1] - right.centre[1]);
+    let (suspension, steering) = match left.steers.or(right.steers) {
+        None => (
+            Suspension {
+                linkage: Linkage::Rigid(RigidMount { spindle: [0.0, y, 0.0] }),
+                range: [0.0; 2],
+                struts: Vec::new(),
+                stops: None,
+                anti_roll: None,
+            },
+            None,
+        ),
+        Some(angle) => {
+            notes.approximated(format!(
+                "joint {}: steered wheels stand on short wishbones with springs that give way by 5 % of the radius, since vehicles steer \
+                 by tie rods",
+                left.joint
+            ));
+            (
+                wishbones(y, r, load),
+                Some(SteeringGear::RackAndPinion { travel: 0.5 * r * vb_math::sin_cos(angle).0 }),
+            )
+        }
+    };
+    let torque = 0.9 * load * r;
+    notes.assumed(format!("brake_torque: {torque:.3} N m a wheel, enough to lock it"));
+    Axle {
+        name: match (index, count) {
+            (0, _) => "front".to_owned(),
+            (k, n) if k + 1 == n => "rear".to_owned(),
+            (k, _) => format!("axle{}", k + 1),
+        },
+        position: [left.centre[0], 0.0, left.centre[2]],
+        steering,
+        driven: true,
+        unsprung_mass: 0.5 * (left.mass + right.mass),
+        spin_inertia: 0.5 * (left.spin + right.spin),
+        brake_torque: torque,
+        suspension,
+        tyre: None,
+        tyres: BTreeMap::new(),
+    }
+}
+
+/// Wishbones of a size that follows from wheel and track, with the tie rods behind.
+fn wishbones(y: f64, r: f64, load: f64) -> Suspension {
+    let arm = (0.6 * y).min(1.5 * r);
+    let (outer, inner) = (y - 0.2 * r, y - 0.2 * r - arm);
+    let rise = 0.4 * r;
+    let at = |x: f64, y: f64, z: f64| [x, y, z];
+    let linkage = DoubleWishbone {
+        spindle: [0.0, y, 0.0],
+        upper_arm_front: at(0.3 * r, inner, rise),
+        upper_arm_rear: at(-0.3 * r, inner, rise),
+        upper_ball_joint: at(0.0, outer, rise),
+        lower_arm_front: at(0.3 * r, inner, -rise),
+        lower_arm_rear: at(-0.3 * r, inner, -rise),
+        lower_ball_joint: at(0.0, outer, -rise),
+        tie_rod_inner: at(-0.5 * r, inner, 0.0),
+        tie_rod_outer: at(-0.5 * r, outer, 0.0),
+    };
+    let stiffness = load / (0.05 * r);
+    let tall = 1.5 * r;
+    Suspension {
+        linkage: Linkage::DoubleWishbone(linkage),
+        range: [0.0; 2],
+        struts: vec![Strut {
+            chassis: at(0.0, outer, -rise + tall),
+            end: at(0.0, outer, -rise),
+            part: Part::Upright,
+            spring: Some(Spring::Linear { stiffness, free_length: tall + load / stiffness, preload: 0.0 }),
+            damper: Some(Damper::Linear { coefficient: 0.6 * (stiffness * load / GRAVITY).sqrt() }),
+            stops: None,
+        }],
+        stops: None,
+        anti_roll: None,
+    }
+}
+
+/// Electric motors on all axles, from the limits of the joints.
+fn motors(pairs: &[[Wheel; 2]], total: f64, notes: &mut Notes) -> Powertrain {
+    let radius = pairs[0][0].radius;
+    let all = || pairs.iter().flatten();
+    let velocity = all().filter_map(|w| w.velocity).fold(f64::INFINITY, f64::min);
+    let velocity = if velocity.is_finite() {
+        velocity
+    } else {
+        notes.assumed(format!("top speed of {SPEED} m/s, since no wheel's joint has a limit of velocity"));
+        SPEED / radius
+    };
+    let effort: f64 = all().filter_map(|w| w.effort).sum();
+    let torque = if effort > 0.0 {
+        effort
+    } else {
+        notes.assumed(
+            "motors push with up to 0.6 of the weight, since no wheel's joint has a limit of effort",
+        );
+        0.6 * total * GRAVITY * radius
+    };
+    notes.approximated("one electric motor drives all wheels by open differentials; its torque falls to none at 1.5 times the top speed");
+    let fraction = 1.0 / pairs.len() as f64;
+    let axle = DrivenAxle {
+        fraction,
+        final_drive: 1.0,
+        shaft_inertia: 0.0,
+        box_inertia: 0.0,
+        differential: Differential::Open {},
+    };
+    let inertia = all().map(|w| w.spin).sum::<f64>() * 0.1;
+    Powertrain {
+        engine: Engine::Electric {
+            torque: vec![[0.0, torque], [1.5 * velocity, 0.0]],
+            regeneration: 1.0,
+            friction: 0.0,
+            inertia,
+        },
+        converter: None,
+        gearbox: Gearbox {
+            ratios: vec![1.0],
+            reverse: Some(-1.0),
+            direction_change: DirectionChange { speed: 0.1, latency: 0.05 },
+            shift_down: vec![0.0],
+            shift_up: vec![10.0 * velocity],
+            shift_time: 0.0,
+            latency: 0.0,
+            load_sensing: false,
+        },
+        driveline: Driveline {
+            shaft_inertia: 0.0,
+            centre: Differential::Open {},
+            axles: vec![axle; pairs.len()],
+        },
+        governor: Some(vb_vehicle::powertrain::Governor {
+            speed: velocity * radius,
+            band: 0.1 * velocity * radius,
+        }),
+    }
+}
