@@ -56,7 +56,7 @@ pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
 #[cfg(feature = "terrain")]
 pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
 pub(crate) use vehicle::{
-    VehicleArgs, VehicleCommand, VehicleCompareArgs, VehicleShowArgs, VehicleTestArgs,
+    VehicleArgs, VehicleCommand, VehicleCompareArgs, VehicleImportArgs, VehicleShowArgs, VehicleTestArgs,
 };
 
 /// Benchmark for off-road planners: runs a planner over the tasks of a suite and scores it.

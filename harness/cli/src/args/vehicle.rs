@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand};
 
 use super::exit_codes::codes;
-use super::values::duration;
+use super::values::{duration, key_value, scale};
 use super::{ForceArgs, FormatArgs, JobsArgs, TIME_STEP};
 use crate::error::CHECKS_FAILED;
 
@@ -29,6 +29,41 @@ pub(crate) enum VehicleCommand {
         The format and an example: docs/custom-vehicle.md"
     )]
     Compare(VehicleCompareArgs),
+    /// Convert a vehicle of another program (JSON set of Project Chrono, URDF, xacro) into a vehicle file
+    Import(VehicleImportArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VehicleImportArgs {
+    /// File of the vehicle: Chrono's JSON with "Type": "Vehicle", URDF or xacro
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Vehicle file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    /// Name of the vehicle; default: the name in FILE
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Scale of the worlds that the vehicle is made for; default: chosen from its length
+    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    pub(crate) scale: Option<f64>,
+    /// Directory to which paths in FILE are relative; default: searched above FILE
+    #[arg(long, value_name = "DIR")]
+    pub(crate) data: Option<PathBuf>,
+    /// Chrono: file of the engine, which vehicles do not name; default: chosen from the set
+    #[arg(long, value_name = "FILE")]
+    pub(crate) engine: Option<PathBuf>,
+    /// Chrono: file of the transmission; default: chosen from the set
+    #[arg(long, value_name = "FILE")]
+    pub(crate) transmission: Option<PathBuf>,
+    /// Chrono: file of the tyre; once for all axles, or once per axle from front to back; default: chosen from the set
+    #[arg(long = "tyre", value_name = "FILE")]
+    pub(crate) tyres: Vec<PathBuf>,
+    /// xacro: value of an argument; may be repeated
+    #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = key_value)]
+    pub(crate) arguments: Vec<(String, String)>,
 }
 
 #[derive(Debug, Args)]

@@ -12,7 +12,9 @@ use vb_sim::SoilSet;
 use vb_validate::{Characteristics, Check, Counts, EventResult, References, RunOptions, Verdict};
 use vb_vehicle::VehicleSpec;
 
-use crate::args::{MessageFormat, VehicleArgs, VehicleCommand, VehicleShowArgs, VehicleTestArgs};
+use crate::args::{
+    MessageFormat, VehicleArgs, VehicleCommand, VehicleImportArgs, VehicleShowArgs, VehicleTestArgs,
+};
 use crate::error::CliError;
 use crate::{output, places};
 use standing::Standing;
@@ -27,6 +29,7 @@ impl VehicleCommand {
             Self::Validate(args) => validate(args),
             Self::Test(args) => test(args),
             Self::Compare(args) => compare::compare(args),
+            Self::Import(args) => import(args),
         }
     }
 }
@@ -78,6 +81,36 @@ pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
     } else {
         output::text(&table.text());
     }
+    Ok(())
+}
+
+/// Converts a vehicle of another program; what it approximates, assumes and leaves out goes to the standard error and into the file.
+fn import(args: &VehicleImportArgs) -> Result<(), CliError> {
+    output::must_not_replace(&args.out, args.force)?;
+    let options = vb_import::Options {
+        name: args.name.clone(),
+        scale: args.scale,
+        data: args.data.clone(),
+        engine: args.engine.clone(),
+        transmission: args.transmission.clone(),
+        tyres: args.tyres.clone(),
+        arguments: args.arguments.clone(),
+    };
+    let imported = vb_import::import(&args.file, &options).map_err(CliError::input)?;
+    for note in imported.notes.iter() {
+        output::say(&note.to_string());
+    }
+    output::write(&args.out, imported.file())?;
+    let spec = &imported.spec;
+    output::text(&format!(
+        "{}: {}, {} axles, {:.0} kg, scale {:.4}; {} notes above and in the file; next: vb-harness vehicle validate, show and test\n",
+        args.out.display(),
+        spec.name,
+        spec.axles.len(),
+        spec.total_mass(),
+        spec.scale,
+        imported.notes.iter().count()
+    ));
     Ok(())
 }
 

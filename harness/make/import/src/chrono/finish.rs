@@ -34,6 +34,7 @@ pub(crate) struct Draft {
     pub(crate) tyres: Vec<TyreSpec>,
     pub(crate) steering: Steering,
     pub(crate) tracks: Option<Tracks>,
+    pub(crate) skid: Option<vb_vehicle::skid::Skid>,
     pub(crate) powertrain: Powertrain,
 }
 
@@ -258,6 +259,7 @@ pub(crate) fn build(
         axles,
         steering: draft.steering,
         tracks: draft.tracks,
+        skid: draft.skid,
         tyre: common,
         tyres: BTreeMap::new(),
         powertrain: draft.powertrain,

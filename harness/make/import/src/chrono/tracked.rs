@@ -134,6 +134,7 @@ pub(super) fn convert(
         axles,
         tyres,
         steering: Steering { rate: 2.0, force: None, torque: None, by: SteeredBy::Differential },
+        skid: None,
         tracks: Some(tracks),
         powertrain,
     };

@@ -87,6 +87,7 @@ pub(super) fn convert(
             axles,
             tyres,
             steering: Steering { rate: 2.0, force: None, torque: None, by: SteeredBy::Wheels },
+            skid: None,
             tracks: None,
             powertrain,
         },

@@ -15,6 +15,7 @@ use tree::{Pose, Robot};
 use vb_vehicle::powertrain::{
     Differential, DirectionChange, Driveline, DrivenAxle, Engine, Gearbox, Powertrain,
 };
+use vb_vehicle::skid::Skid;
 use vb_vehicle::suspension::{
     Damper, DoubleWishbone, Linkage, Part, RigidMount, Spring, SteeredBy, Steering, SteeringGear, Strut,
     Suspension,
@@ -139,7 +140,7 @@ fn convert(
     let pairs = pair(wheels, file)?;
     let total = sprung.mass + pairs.iter().map(|p| p[0].mass + p[1].mass).sum::<f64>();
     let load = total * GRAVITY / (2 * pairs.len()) as f64;
-    let by = steered_by(&pairs, file)?;
+    let is_steered = pairs.iter().flatten().any(|w| w.steers.is_some());
     let axles: Vec<Axle> =
         pairs.iter().enumerate().map(|(i, p)| axle(i, pairs.len(), p, load, notes)).collect();
     let tyres: Vec<TyreSpec> = pairs.iter().map(|p| TyreSpec::Brush(tyre(&p[0], load))).collect();
@@ -150,6 +151,8 @@ fn convert(
     let z = pairs.iter().map(|p| p[0].centre[2]).sum::<f64>() / pairs.len() as f64;
     let origin = [0.5 * (first[0] + last[0]), 0.0, z];
     let powertrain = motors(&pairs, total, notes);
+    let skid = if is_steered { None } else { skid(&powertrain, pairs[0][0].radius, notes) };
+    let by = if is_steered { SteeredBy::Wheels } else { SteeredBy::Differential };
     let draft = Draft {
         name,
         sprung,
@@ -160,6 +163,7 @@ fn convert(
         tyres,
         steering: Steering { rate: 2.0, force: None, torque: None, by },
         tracks: None,
+        skid,
         powertrain,
     };
     let mut spec = build(draft, origin, options, notes)?;
@@ -171,17 +175,18 @@ fn convert(
     Ok(spec)
 }
 
-/// The way in which a robot with these axles is steered. Skid steering of wheels belongs here once vehicles have it.
-fn steered_by(pairs: &[[Wheel; 2]], file: &str) -> Result<SteeredBy, ImportError> {
-    if pairs.iter().flatten().any(|w| w.steers.is_some()) {
-        return Ok(SteeredBy::Wheels);
-    }
-    let problem = format!(
-        "no joint steers a wheel ({} wheels, all on continuous joints across the robot); skid steering of wheels is not among the \
-         vehicles that can be written",
-        2 * pairs.len()
+/// The skid steering of a robot whose wheels no joint steers. URDF has no data of it.
+fn skid(powertrain: &Powertrain, radius: f64, notes: &mut Notes) -> Option<Skid> {
+    let Engine::Electric { torque, .. } = &powertrain.engine else { return None };
+    let (torque, speed) = (torque.first()?[1], powertrain.governor.as_ref()?.speed);
+    notes.assumed(
+        "skid: no joint steers a wheel, so the sides turn at different speeds: at full command by the mean speed, and by half of the top \
+         speed in place; set them from the limits of the robot's controller",
     );
-    Err(ImportError::new(file, "", problem))
+    let at_rest = 0.5 * speed;
+    // A side's share of the torque for a twentieth of the difference in place.
+    let gain = 0.5 * torque / (0.05 * at_rest / radius);
+    Some(Skid::Speed { relative: 1.0, at_rest, gain })
 }
 
 fn descendants(robot: &Robot, root: usize) -> Vec<usize> {

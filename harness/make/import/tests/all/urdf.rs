@@ -1,7 +1,8 @@
 //! Robots.
 
 use vb_import::{ImportError, Imported, Kind, Options, import};
-use vb_vehicle::suspension::{Linkage, SteeringGear};
+use vb_vehicle::skid::Skid;
+use vb_vehicle::suspension::{Linkage, SteeredBy, SteeringGear};
 
 /// A car of 8 kg with steered front wheels, as xacro.
 const CAR: &str = r#"<?xml version="1.0"?>
@@ -71,12 +72,19 @@ fn a_robot_with_steered_wheels_is_a_vehicle() {
 }
 
 #[test]
+fn a_robot_without_steered_wheels_turns_by_the_speeds_of_its_sides() {
+    let i = convert(&CAR.replace("type=\"revolute\"", "type=\"fixed\"")).unwrap();
+    assert!(matches!(i.spec.skid, Some(Skid::Speed { relative: 1.0, .. })));
+    assert_eq!(i.spec.steering.by, SteeredBy::Differential);
+    assert!(i.notes.of(Kind::Assumed).any(|n| n.text.contains("no joint steers a wheel")));
+}
+
+#[test]
 fn robots_that_are_no_vehicles_are_refused_in_one_line() {
     let joint = "type=\"continuous\"";
     let huge: String = (0..2100).map(|k| format!("<link name=\"l{k}\"/>")).collect();
     for (from, to, says) in [
         (joint, "type=\"fixed\"", "no wheels: no continuous joint"),
-        ("type=\"revolute\"", "type=\"fixed\"", "no joint steers a wheel (4 wheels"),
         ("x=\"-0.16\" y=\"-0.11\"", "x=\"-0.3\" y=\"-0.11\"", "no wheel stands opposite"),
         ("<mass value=\"6\"/>", "<mass value=\"six\"/>", "is no number"),
         ("<mass value=\"6\"/>", "<mass value=\"-6\"/>", "not negative"),

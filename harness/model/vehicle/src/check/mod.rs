@@ -28,8 +28,9 @@ impl Document for VehicleSpec {
 
     fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
         if let Some(foreign) = foreign(text) {
-            let problem =
-                format!("{foreign}, which can't be read (vehicles are YAML files: docs/custom-vehicle.md)");
+            let problem = format!(
+                "{foreign}, which is no vehicle file (vehicle import FILE makes one of it: docs/custom-vehicle.md)"
+            );
             return Err(Flaw::new("format", problem).of(Self::KIND, file));
         }
         document::parse(text, file)
