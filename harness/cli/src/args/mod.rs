@@ -262,6 +262,7 @@ mod tests {
             "suite site",
             "suite testbed",
             "vehicle validate",
+            "vehicle import",
             "terrain train",
             "terrain generate",
             "terrain measure",

@@ -23,11 +23,6 @@ pub(crate) enum VehicleCommand {
     )]
     Test(VehicleTestArgs),
     /// Replay recorded wheel speeds of a skid-steered vehicle, and compare its motion with the recording
-    #[command(
-        after_help = "The recording is a CSV file with the columns window, time (s), left and right (speeds of the wheels of a side, rad/s),\n\
-        x and y (m) and yaw (rad). Rows of a window follow each other; its first and its last row have a pose.\n\
-        The format and an example: docs/custom-vehicle.md"
-    )]
     Compare(VehicleCompareArgs),
     /// Convert a vehicle of another program (JSON set of Project Chrono, URDF, xacro) into a vehicle file
     Import(VehicleImportArgs),
@@ -90,7 +85,8 @@ pub(crate) struct VehicleCompareArgs {
     /// Vehicle: a name or a file
     #[arg(value_name = "NAME|FILE")]
     pub(crate) vehicle: String,
-    /// Recording (CSV)
+    /// Recording: CSV with the columns window, time (s), left and right (wheel speeds of a side, rad/s), x, y (m) and yaw (rad); rows of a
+    /// window follow each other, and its first and last row have a pose
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
     /// Friction coefficients of the ground, which recordings do not have

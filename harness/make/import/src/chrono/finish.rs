@@ -331,8 +331,11 @@ fn fastest(spec: &VehicleSpec, notes: &mut Notes) -> f64 {
     let driven = spec.axles.iter().find(|a| a.driven).unwrap_or(&spec.axles[0]);
     let geared = top_speed(&p.engine) * gear * drive * spec.tyre_of(driven).radius();
     let powered = power(&p.engine) / (ROLLING * spec.total_mass() * GRAVITY);
-    let speed = geared.min(powered).max(0.1);
-    let by = if geared <= powered {
+    let governed = p.governor.as_ref().map_or(f64::INFINITY, |g| g.speed);
+    let speed = geared.min(powered).min(governed).max(0.1);
+    let by = if governed <= speed {
+        "that of the governor"
+    } else if geared <= powered {
         "the engine's top speed in the highest gear"
     } else {
         "the engine's power against 3 % of the weight"

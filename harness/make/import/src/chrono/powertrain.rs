@@ -247,12 +247,19 @@ pub(crate) fn top_speed(engine: &Engine) -> f64 {
     }
 }
 
-/// The greatest power of an engine, W.
+/// The greatest power of an engine, W, also between the points of its table.
 pub(crate) fn power(engine: &Engine) -> f64 {
     match engine {
         Engine::Simple { power, .. } => *power,
         Engine::Map { full_throttle: t, .. } | Engine::Electric { torque: t, .. } => {
-            t.iter().map(|p| p[0] * p[1]).fold(0.0, f64::max)
+            let pieces = t.windows(2).map(|w| {
+                let ([v, a], [end, b]) = (w[0], w[1]);
+                let slope = (b - a) / (end - v);
+                // Where the power of a straight piece has no slope.
+                let top = if slope < 0.0 { (0.5 * (v - a / slope)).clamp(v, end) } else { end };
+                top * (a + slope * (top - v))
+            });
+            pieces.chain(t.iter().map(|[v, torque]| v * torque)).fold(0.0, f64::max)
         }
     }
 }

@@ -143,7 +143,7 @@ fn convert(
     let is_steered = pairs.iter().flatten().any(|w| w.steers.is_some());
     let axles: Vec<Axle> =
         pairs.iter().enumerate().map(|(i, p)| axle(i, pairs.len(), p, load, notes)).collect();
-    let tyres: Vec<TyreSpec> = pairs.iter().map(|p| TyreSpec::Brush(tyre(&p[0], load))).collect();
+    let tyres: Vec<TyreSpec> = pairs.iter().map(|p| TyreSpec::Brush(tyre(&p[0], load, is_steered))).collect();
     notes.assumed("tyres: a brush with a friction of 0.9 and 5 % of deflection at rest; set them from data of the robot's tyres");
     notes.assumed("steering.rate: 2 per second");
     let first = pairs[0][0].centre;
@@ -334,7 +334,10 @@ fn pair(mut wheels: Vec<Wheel>, file: &str) -> Result<Vec<[Wheel; 2]>, ImportErr
     Ok(out)
 }
 
-fn tyre(w: &Wheel, load: f64) -> BrushTyre {
+/// The tyre of a wheel. Where the sides turn at different speeds, all wheels slide: the stiffness is then the same in both
+/// directions, so that the friction opposes the slip.
+fn tyre(w: &Wheel, load: f64, is_steered: bool) -> BrushTyre {
+    let (slip_stiffness, along) = if is_steered { ([17.8, 7.4], 0.5) } else { ([12.0, 12.0], 1.0) };
     let vertical_stiffness = load / (0.05 * w.radius);
     BrushTyre {
         radius: w.radius,
@@ -342,8 +345,8 @@ fn tyre(w: &Wheel, load: f64) -> BrushTyre {
         friction: 0.9,
         vertical_stiffness,
         vertical_damping: 0.2 * (vertical_stiffness * load / GRAVITY).sqrt(),
-        slip_stiffness: [17.8, 7.4],
-        relaxation_length: [0.5 * w.radius, w.radius],
+        slip_stiffness,
+        relaxation_length: [along * w.radius, w.radius],
         damping_ratio: 0.25,
         rolling_resistance: 0.015,
     }

@@ -115,7 +115,11 @@ pub(super) fn read(
             return Err(ImportError::new(
                 file.display(),
                 "",
-                if links.is_empty() { "no link" } else { "the joints make a loop" },
+                if links.is_empty() {
+                    "no link; a xacro file that only defines macros is no robot: name the file that calls them"
+                } else {
+                    "the joints make a loop"
+                },
             ));
         }
         // Links that no joint holds, such as a camera's frame, are no part of the robot.

@@ -76,6 +76,7 @@ fn a_robot_without_steered_wheels_turns_by_the_speeds_of_its_sides() {
     let i = convert(&CAR.replace("type=\"revolute\"", "type=\"fixed\"")).unwrap();
     assert!(matches!(i.spec.skid, Some(Skid::Speed { relative: 1.0, .. })));
     assert_eq!(i.spec.steering.by, SteeredBy::Differential);
+    assert!(i.spec.max_speed > 0.5, "{}", i.spec.max_speed);
     assert!(i.notes.of(Kind::Assumed).any(|n| n.text.contains("no joint steers a wheel")));
 }
 
