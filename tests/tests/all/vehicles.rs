@@ -77,8 +77,9 @@ fn vehicles_are_listed_and_shown_to_programs_and_drawn() {
             .map(|a| a["load_n"].as_f64().expect("a load"))
             .sum();
         let weight = 9.81 * v["mass_kg"].as_f64().expect("a mass");
-        // Shown as soon as it has settled, when its springs still move by some hundredths of a millimetre.
-        assert!((loads / weight - 1.0).abs() < 0.01, "{name}: {loads} N of {weight} N");
+        // Shown as soon as it has settled, when its springs still move by some hundredths of a millimetre, and the tyres of a robot
+        // without springs by a fifth of a millimetre.
+        assert!((loads / weight - 1.0).abs() < 0.03, "{name}: {loads} N of {weight} N");
         let svg = fs::read_to_string(bench.path("v.svg")).expect("a picture");
         // Side and top view have every wheel, and nothing comes from elsewhere.
         let wheels = svg.matches("class=\"wheel\"").count();
