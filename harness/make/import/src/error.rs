@@ -11,7 +11,7 @@ pub struct ImportError {
     pub file: String,
     /// The place within the file; empty if the file as a whole is meant.
     pub at: String,
-    /// What is wrong and what to do.
+    /// The problem and its remedy.
     pub problem: String,
 }
 

@@ -47,7 +47,7 @@ pub struct Options {
 pub struct Imported {
     /// The vehicle, valid as a vehicle file.
     pub spec: VehicleSpec,
-    /// What was approximated, assumed or left out.
+    /// Choices, approximations, assumptions, and values of the source without a counterpart.
     pub notes: Notes,
     /// The source, for the head of the file.
     pub source: String,

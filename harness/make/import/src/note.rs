@@ -1,4 +1,4 @@
-//! What a conversion approximates, assumes and leaves out.
+//! Notes on a conversion: choices, approximations, assumptions, and values without a counterpart.
 
 use std::fmt;
 

@@ -162,7 +162,7 @@ pub(crate) fn wheeled(
     Ok(spec)
 }
 
-/// Refuses vehicles whose sizes tell of other units.
+/// Rejects vehicles whose dimensions are not in SI units.
 fn units(draft: &Draft, wheelbase: f64, radius: f64) -> Result<(), ImportError> {
     let mass = draft.sprung.mass;
     if wheelbase > 50.0 || radius > 5.0 || mass > 5e5 {

@@ -45,7 +45,7 @@ impl Doc {
         Node { doc: self, value: &self.value, path: String::new() }
     }
 
-    /// What nothing has read: paths of whole parts where none of them was.
+    /// Paths of values that were not read; a part of which none was read is listed as a whole.
     pub(crate) fn unread(&self) -> Vec<String> {
         let mut out = Vec::new();
         collect(&self.value, "", &self.read.borrow(), &mut out);

@@ -12,7 +12,7 @@ use vb_vehicle::suspension::{
 /// The length of the rods that stand for a ball joint or a slide, m.
 const ROD: f64 = 0.3;
 
-/// What a suspension's file gives for an axle. Points are relative to the suspension's reference point.
+/// The data of an axle in a suspension file. Points are relative to the suspension's reference point.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     pub(crate) linkage: Linkage,

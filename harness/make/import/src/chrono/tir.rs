@@ -14,7 +14,7 @@ pub(crate) struct Tir {
     texts: BTreeMap<String, String>,
 }
 
-/// What a brush needs of a Magic Formula.
+/// Parameters of a brush tyre derived from a Magic Formula.
 pub(crate) struct Magic {
     pub(crate) radius: f64,
     pub(crate) width: f64,

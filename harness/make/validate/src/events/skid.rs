@@ -17,15 +17,15 @@ const MEASURED: f64 = 2.0;
 /// A steady turn.
 #[derive(Default)]
 struct Turn {
-    /// rad/s.
+    /// Yaw rate, rad/s, positive to the left.
     yaw_rate: f64,
-    /// Of the reference point, m/s.
+    /// Longitudinal velocity of the reference point in the body frame, m/s.
     forward: f64,
-    /// Of the circumference of the left and the right wheels, m/s.
+    /// Circumferential speeds of the left and the right wheels, m/s.
     sides: [f64; 2],
-    /// Of the motors, W.
+    /// Power of the motors, W.
     power: f64,
-    /// Of each wheel, N.
+    /// Vertical load of each wheel, N.
     loads: Vec<f64>,
 }
 
