@@ -1,7 +1,7 @@
 """Runs the code blocks of README and docs with the installed package.
 
 Each block of code between fences of `console`, `sh`, `python`, `yaml`, `rust` or `toml` is run or checked; `text` is what programs print,
-and isn't. The blocks of a page share an empty folder and run in order. Of a `console` block the lines that begin with `$ ` are run, by
+and isn't, unless a mark names it as a file. The blocks of a page share an empty folder and run in order. Of a `console` block the lines that begin with `$ ` are run, by
 bash, and end at the first that fails; what they print isn't compared. Comments on the lines before a block say what is special about it,
 in which `then` parts several:
 
@@ -51,6 +51,11 @@ class Block:
     def where(self) -> str:
         """Page and line of the block."""
         return f"{self.page}:{self.line}"
+
+    @property
+    def is_run(self) -> bool:
+        """Whether it is more than what a program prints."""
+        return self.language != "text" or bool(self.marks)
 
     def all(self, kind: str) -> list[str]:
         """What the marks of this kind say."""
@@ -146,8 +151,8 @@ def run_pages(folder: Path, environment: dict[str, str], pages: list[str]) -> li
         began = time.monotonic()
         try:
             for block in blocks(page):
-                if block.language == "text" or block.all("not run"):
-                    left += block.language != "text"
+                if block.all("not run") or not block.is_run:
+                    left += block.is_run
                     continue
                 ran += 1
                 try:
@@ -181,7 +186,7 @@ def main() -> None:
     if "--list" in sys.argv:
         for page in PAGES:
             for block in blocks(page):
-                if block.language != "text":
+                if block.is_run:
                     print(f"{block.where} {block.language}: {'; '.join(': '.join(mark) for mark in block.marks) or 'run'}")
 
 
