@@ -1,5 +1,7 @@
-//! `vb-task-search`: which of the tasks that no planner does can be done at all.
+//! `vb-task-search`: which of the tasks that no planner does can be done at all, and what a planner could gain by an error of simulator
+//! or rules.
 
+mod aim;
 mod search;
 mod way;
 
@@ -18,12 +20,14 @@ use vb_sdk::policy::ActionKind;
 use vb_suite::proof::{Proof, ProofError};
 use vb_world::TaskId;
 
+use crate::aim::Aim;
 use crate::search::{SPEEDS, repeat, search};
 
-/// Search for a way through tasks, with the simulator itself as the model
+/// Search for the best drives of tasks, with the simulator itself as the model
 ///
-/// Each line of the output is a task. A task with `done` can be done, by the `actions` that are listed: steering and speed, as an
-/// environment has them, ten a second. Of the others nothing is proven.
+/// Each line of the output is a task with the greatest `value` of the aim that was found, its value at the start, and the `actions`
+/// of that drive: steering and speed, as an environment has them, ten a second. A task with `done` can be done; of the others nothing
+/// is proven. `diverged` has the actions of a drive that the simulator gives up.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
@@ -39,6 +43,9 @@ struct Args {
     /// The vehicle
     #[arg(long, value_name = "NAME|FILE", default_value = "hmmwv")]
     vehicle: String,
+    /// What to come as far as possible in
+    #[arg(long, value_enum, default_value = "goal")]
+    aim: Aim,
     /// Pieces of driving, of a second each, that are tried for a task
     #[arg(long, value_name = "N", default_value_t = 6000)]
     pieces: usize,
@@ -99,7 +106,7 @@ fn run(args: &Args) -> Result<(), SearchError> {
         for _ in 0..jobs {
             scope.spawn(|| {
                 while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    match one(&arena, task, args.pieces) {
+                    match one(&arena, task, args) {
                         Ok(line) => {
                             let _ = writeln!(std::io::stdout(), "{line}");
                         }
@@ -116,21 +123,29 @@ fn run(args: &Args) -> Result<(), SearchError> {
 }
 
 /// Searches one task, and drives anew what was found.
-fn one(arena: &Arc<Arena>, task: &TaskId, pieces: usize) -> Result<Value, SearchError> {
-    let found = search(arena, task, pieces)?;
-    let mut line = json!({ "task": task, "done": found.actions.is_some(), "pieces": found.pieces });
-    let Some(actions) = found.actions else {
-        line["left"] = json!((found.left * 1e3).round() / 1e3);
+fn one(arena: &Arc<Arena>, task: &TaskId, args: &Args) -> Result<Value, SearchError> {
+    let found = search(arena, task, args.pieces, args.aim)?;
+    let is_done = found.best.ended == Some(Outcome::Success);
+    let mut line = json!({
+        "task": task, "aim": args.aim, "done": is_done, "pieces": found.pieces, "start": found.start, "value": found.best.value,
+    });
+    if let Some(actions) = found.diverged {
+        line["diverged"] = json!(actions);
+    }
+    // Of a search that hasn't come to the goal, how near it came is all that is of use.
+    if args.aim == Aim::Goal && !is_done {
         return Ok(line);
-    };
-    let env = repeat(arena, task, &actions)?;
-    let record = env.record().filter(|record| record.outcome == Outcome::Success);
-    let Some(record) = record else {
-        let reason = env.record().map_or_else(|| "it doesn't end".to_owned(), |r| r.reason.clone());
+    }
+    let env = repeat(arena, task, &found.best.actions)?;
+    let record = env.record();
+    if is_done && record.is_none_or(|record| record.outcome != Outcome::Success) {
+        let reason = record.map_or_else(|| "it doesn't end".to_owned(), |r| r.reason.clone());
         return Err(SearchError::NotRepeated { task: task.clone(), reason });
-    };
-    line["time_s"] = json!(record.time_s);
-    line["state_hash"] = json!(record.state_hash);
-    line["actions"] = json!(actions);
+    }
+    if let Some(record) = record {
+        line["time_s"] = json!(record.time_s);
+        line["state_hash"] = json!(record.state_hash);
+    }
+    line["actions"] = json!(found.best.actions);
     Ok(line)
 }

@@ -13,6 +13,7 @@ use vb_score::Outcome;
 use vb_sim::VehicleState;
 use vb_world::TaskId;
 
+use crate::aim::{Aim, Measure};
 use crate::way::Way;
 
 /// Actions of a piece of driving, which is a second long at ten actions a second.
@@ -27,10 +28,6 @@ const AHEAD: f64 = 5.0;
 const ASIDE: f64 = 0.3;
 /// Sides of a cell: m at full scale, rad, and m/s at full scale.
 const CELL: [f64; 3] = [1.0, std::f64::consts::PI / 8.0, 2.0];
-/// What each earlier try from a state counts for in the choice of the next, in metres of the way that is left.
-const TRIED: f64 = 1.0;
-/// What each second that has passed counts for, which prefers states that are far for their time.
-const PASSED: f64 = 2.0;
 /// The share of tries that begin at any state and not at the most promising one.
 const ANYWHERE: f64 = 0.3;
 
@@ -39,62 +36,91 @@ struct Reached {
     /// The state from which it was reached, and the actions of the way from there.
     before: Option<(usize, Vec<[f64; 2]>)>,
     pieces: usize,
-    /// The cost of the way that is left, m.
-    left: f64,
+    /// What it is worth, as [`Aim::promise`] counts it.
+    promise: f64,
     tries: usize,
 }
 
-pub(crate) struct Found {
-    /// The actions of a drive that does the task, ten a second; `None` if none was found.
-    pub(crate) actions: Option<Vec<[f64; 2]>>,
-    /// Pieces of driving that were tried.
-    pub(crate) pieces: usize,
-    /// The least cost of the way that was left, over that at the start.
-    pub(crate) left: f64,
+/// The best drive that a search has found.
+pub(crate) struct Best {
+    /// Its value, in the unit of the aim.
+    pub(crate) value: f64,
+    /// Its actions, ten a second.
+    pub(crate) actions: Vec<[f64; 2]>,
+    /// How the episode ends with it, if it does.
+    pub(crate) ended: Option<Outcome>,
 }
 
-/// Searches for a drive that does a task, with so many pieces of driving at most.
+pub(crate) struct Found {
+    pub(crate) best: Best,
+    /// The value at the start.
+    pub(crate) start: f64,
+    /// The actions of a drive that the simulator gives up as diverged.
+    pub(crate) diverged: Option<Vec<[f64; 2]>>,
+    /// Pieces of driving that were tried.
+    pub(crate) pieces: usize,
+}
+
+/// Searches for the drive of a task that comes farthest in an aim, with so many pieces of driving at most. A search for the goal ends
+/// where it is reached.
 ///
 /// # Errors
 /// Returns an error if the task can't be begun, or its maps aren't known.
-pub(crate) fn search(arena: &Arc<Arena>, task: &TaskId, most: usize) -> Result<Found, EnvError> {
+pub(crate) fn search(arena: &Arc<Arena>, task: &TaskId, most: usize, aim: Aim) -> Result<Found, EnvError> {
     let mut env = Env::new(Arc::clone(arena), 0);
     env.reset(&Reset { task: Some(task.clone()), run_seed: Some(0), seed: None })?;
-    let missing = || EnvError::Observation("maps of heights and obstacles are needed".into());
+    let measure = Measure::new(&env, aim)?;
     let brief = env.brief().ok_or(EnvError::NoEpisode)?;
-    let way = Way::new(brief).ok_or_else(missing)?;
     let scale = brief.vehicle.scale;
     let limit = (brief.time_limit * 10.0 / PIECE as f64) as usize;
-    let start = env.vehicle().ok_or(EnvError::NoEpisode)?;
-    let all = way.left(start.position.x, start.position.y);
-    let mut reached =
-        vec![Reached { snapshot: env.snapshot(), before: None, pieces: 0, left: all, tries: 0 }];
-    let mut cells = BTreeMap::from([(cell(&start, scale), 0)]);
+    let state = env.vehicle().ok_or(EnvError::NoEpisode)?;
+    let start = measure.value(&env, None);
+    let promise = aim.promise(start);
+    let mut reached = vec![Reached { snapshot: env.snapshot(), before: None, pieces: 0, promise, tries: 0 }];
+    let mut cells = BTreeMap::from([(cell(&state, scale), 0)]);
     let mut random = Stream::new(0, &["task search", task.as_str()]);
-    let mut least = all;
+    let mut found = Found {
+        best: Best { value: start, actions: Vec::new(), ended: None },
+        start,
+        diverged: None,
+        pieces: most,
+    };
     for tried in 1..=most {
-        let from = choose(&reached, &mut random);
+        let from = choose(&reached, aim, &mut random);
         reached[from].tries += 1;
         let piece = Piece::draw(&mut random);
         env.restore(&reached[from].snapshot)?;
-        let (own, ended) = piece.drive(&mut env, &way)?;
-        if ended == Some(Outcome::Success) {
-            let actions = Some(actions(&reached, from, own));
-            return Ok(Found { actions, pieces: tried, left: 0.0 });
+        let (own, ended) = match piece.drive(&mut env, measure.way()) {
+            (own, Err(e)) if e.is_divergence() => {
+                found.diverged.get_or_insert_with(|| actions(&reached, from, own));
+                continue;
+            }
+            (own, ended) => (own, ended?),
+        };
+        let value = measure.value(&env, ended);
+        let is_done = aim == Aim::Goal && ended == Some(Outcome::Success);
+        if is_done || value > found.best.value {
+            found.best = Best { value, actions: actions(&reached, from, own.clone()), ended };
+        }
+        if is_done {
+            found.pieces = tried;
+            break;
         }
         let pieces = reached[from].pieces + 1;
         let Some(state) = env.vehicle().filter(|_| ended.is_none() && pieces < limit) else { continue };
-        let left = way.left(state.position.x, state.position.y);
-        least = least.min(left);
-        let cell = cell(&state, scale);
+        let (cell, promise) = (cell(&state, scale), aim.promise(value));
         // A state that is replaced stays where it is, so that the ways of those that came of it hold.
-        if cells.get(&cell).is_none_or(|index| pieces < reached[*index].pieces) {
+        let is_better = |known: &Reached| match aim {
+            Aim::Goal => pieces < known.pieces,
+            _ => promise > known.promise,
+        };
+        if cells.get(&cell).is_none_or(|index| is_better(&reached[*index])) {
             cells.insert(cell, reached.len());
             let before = Some((from, own));
-            reached.push(Reached { snapshot: env.snapshot(), before, pieces, left, tries: 0 });
+            reached.push(Reached { snapshot: env.snapshot(), before, pieces, promise, tries: 0 });
         }
     }
-    Ok(Found { actions: None, pieces: most, left: least / all.max(1e-9) })
+    Ok(found)
 }
 
 /// Drives a task anew by these actions; how it ends.
@@ -110,13 +136,13 @@ pub(crate) fn repeat(arena: &Arc<Arena>, task: &TaskId, actions: &[[f64; 2]]) ->
     Ok(env)
 }
 
-/// The state to go on from: the one with the least way left, time passed and tries, or now and then any.
-fn choose(reached: &[Reached], random: &mut Stream) -> usize {
+/// The state to go on from: the most promising one after what earlier tries and time cost, or now and then any.
+fn choose(reached: &[Reached], aim: Aim, random: &mut Stream) -> usize {
     let (anywhere, which) = (random.unit() < ANYWHERE, random.below(reached.len() as u64) as usize);
     if anywhere {
         return which;
     }
-    let promise = |r: &Reached| r.left + TRIED * r.tries as f64 + PASSED * r.pieces as f64;
+    let promise = |r: &Reached| r.tries as f64 + aim.second() * r.pieces as f64 - r.promise;
     let best = reached.iter().enumerate().min_by(|a, b| promise(a.1).total_cmp(&promise(b.1)));
     best.map_or(0, |(index, _)| index)
 }
@@ -139,7 +165,7 @@ impl Piece {
     }
 
     /// Drives it: the actions, and how the episode has ended, if it has.
-    fn drive(&self, env: &mut Env, way: &Way) -> Result<(Vec<[f64; 2]>, Option<Outcome>), EnvError> {
+    fn drive(&self, env: &mut Env, way: &Way) -> (Vec<[f64; 2]>, Result<Option<Outcome>, EnvError>) {
         let (slowest, fastest) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
         let speed = 2.0 * (self.speed - slowest) / (fastest - slowest) - 1.0;
         let mut actions = Vec::with_capacity(PIECE);
@@ -147,12 +173,15 @@ impl Piece {
             let led = if self.is_led { Self::led(env, way) } else { 0.0 };
             let action = [(led + self.steering).clamp(-1.0, 1.0), speed];
             actions.push(action);
-            let step = env.step(&action)?;
-            if step.terminated || step.truncated {
-                return Ok((actions, env.record().map(|record| record.outcome)));
+            match env.step(&action) {
+                Ok(step) if step.terminated || step.truncated => {
+                    return (actions, Ok(env.record().map(|record| record.outcome)));
+                }
+                Ok(_) => {}
+                Err(e) => return (actions, Err(e)),
             }
         }
-        Ok((actions, None))
+        (actions, Ok(None))
     }
 
     /// The steering to where the way leads.
@@ -213,21 +242,37 @@ mod tests {
     #[test]
     fn an_easy_task_is_found_and_done_again() {
         let arena = arena();
-        let found = search(&arena, &id("w001/t00"), 1000).unwrap();
-        let actions = found.actions.expect("a way");
+        let found = search(&arena, &id("w001/t00"), 1000, Aim::Goal).unwrap();
+        assert_eq!(found.best.ended, Some(Outcome::Success));
+        let actions = found.best.actions;
         let record = repeat(&arena, &id("w001/t00"), &actions).unwrap().record().cloned().unwrap();
         assert_eq!(record.outcome, Outcome::Success);
         // A second search finds the same, and actions mean what they say.
-        let again = search(&arena, &id("w001/t00"), 1000).unwrap();
-        assert_eq!((again.actions.as_ref(), again.pieces), (Some(&actions), found.pieces));
+        let again = search(&arena, &id("w001/t00"), 1000, Aim::Goal).unwrap();
+        assert_eq!((&again.best.actions, again.pieces), (&actions, found.pieces));
         assert!(actions.iter().flatten().all(|a| (-1.0..=1.0).contains(a)));
     }
 
     #[test]
     fn who_may_try_little_finds_nothing_and_says_how_far_it_came() {
-        let found = search(&arena(), &id("w001/t00"), 3).unwrap();
-        assert!(found.actions.is_none() && found.pieces == 3);
-        assert!(found.left > 0.5 && found.left <= 1.0, "{}", found.left);
-        assert!(search(&arena(), &id("w001/t99"), 3).is_err());
+        let found = search(&arena(), &id("w001/t00"), 3, Aim::Goal).unwrap();
+        assert!(found.best.ended.is_none() && found.pieces == 3);
+        let left = found.best.value / found.start;
+        assert!(left > 0.5 && left <= 1.0, "{left}");
+        assert!(search(&arena(), &id("w001/t99"), 3, Aim::Goal).is_err());
+    }
+
+    #[test]
+    fn what_a_search_finds_has_its_value_when_it_is_driven_anew() {
+        let arena = arena();
+        for aim in [Aim::Energy, Aim::Load, Aim::Idle] {
+            let found = search(&arena, &id("w001/t00"), 30, aim).unwrap();
+            assert!(found.best.value > found.start, "{aim:?}: {} {}", found.best.value, found.start);
+            let mut env = Env::new(Arc::clone(&arena), 0);
+            env.reset(&Reset { task: Some(id("w001/t00")), run_seed: Some(0), seed: None }).unwrap();
+            let measure = Measure::new(&env, aim).unwrap();
+            let env = repeat(&arena, &id("w001/t00"), &found.best.actions).unwrap();
+            assert_eq!(measure.value(&env, found.best.ended), found.best.value, "{aim:?}");
+        }
     }
 }

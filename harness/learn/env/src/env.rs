@@ -10,7 +10,7 @@ use vb_score::{Outcome, TaskRecord};
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::policy::{Actuator, Dimension, Observer, Row};
 use vb_sdk::{Observation, Point2};
-use vb_sim::{SimError, VehicleState};
+use vb_sim::{Diagnostics, SimError, VehicleState};
 use vb_trial::Episode;
 use vb_world::TaskId;
 
@@ -182,6 +182,12 @@ impl Env {
     #[must_use]
     pub fn vehicle(&self) -> Option<VehicleState> {
         self.running.as_ref().map(|r| r.episode.simulation().state())
+    }
+
+    /// Counts and maxima of the simulation since the start of the episode; `None` before the first episode.
+    #[must_use]
+    pub fn diagnostics(&self) -> Option<Diagnostics> {
+        self.running.as_ref().map(|r| r.episode.simulation().diagnostics())
     }
 
     /// The steps of the simulation in which the contacts of the hull were solved, in the last step of the environment. Each takes
