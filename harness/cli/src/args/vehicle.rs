@@ -86,7 +86,8 @@ pub(crate) struct VehicleCompareArgs {
     #[arg(value_name = "NAME|FILE")]
     pub(crate) vehicle: String,
     /// Recording: CSV with the columns window, time (s), left and right (wheel speeds of a side, rad/s), x, y (m) and yaw (rad); rows of a
-    /// window follow each other, and its first and last row have a pose
+    /// window follow each other, and its first and last row have a pose. Or a table of DRIVE (torch_ready_dataframe.csv), with a window in
+    /// each row
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
     /// Friction coefficients of the ground, which recordings do not have

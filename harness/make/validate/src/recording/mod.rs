@@ -1,6 +1,8 @@
 //! Recordings of real vehicles with skid steering: their wheels' speeds are replayed in simulation, and what the vehicle does is
 //! compared with what the recording says, over the friction of the ground.
 
+mod table;
+
 use crate::error::ValidateError;
 use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::flat;
@@ -18,12 +20,6 @@ use vb_world::Pose2;
 
 /// The largest file that is read, bytes.
 const LARGEST: u64 = 256 << 20;
-/// The columns of a file.
-const COLUMNS: [&str; 7] = ["window", "time", "left", "right", "x", "y", "yaw"];
-/// What no wheel, place or time of a window exceeds: rad/s, m, s.
-const MOST: f64 = 1e6;
-/// The longest window, s.
-const LONGEST: f64 = 600.0;
 /// Time for which the vehicle runs at a window's first speeds before it, s: a recording says nothing of what came before.
 const RUN_IN: f64 = 1.0;
 /// Interval at which the speeds of the wheels are set, s.
@@ -79,11 +75,20 @@ impl Motion {
 pub struct Recording {
     name: String,
     windows: Vec<Window>,
+    /// Windows that were left out, since a value is missing in them.
+    incomplete: usize,
 }
 
 impl Recording {
-    /// Reads a recording: a CSV file with the columns window, time (s), left and right (rad/s), x and y (m) and yaw (rad) in any
-    /// order. Other columns are ignored. Rows of a window follow each other; the first and the last have a pose.
+    /// Reads a recording, a CSV file in one of two formats:
+    ///
+    /// - the columns window, time (s), left and right (rad/s), x and y (m) and yaw (rad) in any order. Rows of a window follow each
+    ///   other; the first and the last have a pose.
+    /// - a table of DRIVE (Baril et al. 2023, arXiv:2309.10718), a window in each row, with the columns `left_wheel_vel_K` and
+    ///   `right_wheel_vel_K` (rad/s) of sample K at 20 Hz, and the poses `init_icp_…` at the first sample and `gt_icp_…` a sample
+    ///   after the last. Windows with missing values are left out.
+    ///
+    /// Other columns are ignored.
     ///
     /// # Errors
     /// Returns an error that names line and column of what can't be read.
@@ -99,71 +104,10 @@ impl Recording {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
-        let windows = read(text).map_err(|flaw| flaw.of("recording", file))?;
+        let (windows, incomplete) = table::read(text).map_err(|flaw| flaw.of("recording", file))?;
         let name = Path::new(file).file_stem().map_or(file.to_owned(), |s| s.to_string_lossy().into_owned());
-        Ok(Self { name, windows })
+        Ok(Self { name, windows, incomplete })
     }
-}
-
-fn read(text: &str) -> Result<Vec<Window>, Flaw> {
-    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
-    let head: Vec<&str> = lines.next().map_or(Vec::new(), |(_, l)| l.split(',').map(str::trim).collect());
-    let mut places = [0; COLUMNS.len()];
-    for (place, column) in places.iter_mut().zip(COLUMNS) {
-        let found = head.iter().position(|h| *h == column);
-        *place = found.ok_or_else(|| {
-            Flaw::new("line 1", format!("has no column {column}; a recording has {}", COLUMNS.join(", ")))
-        })?;
-    }
-    let mut windows: Vec<Window> = Vec::new();
-    for (i, line) in lines.filter(|(_, l)| !l.trim().is_empty()) {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-        let at = |k: usize| format!("line {}, {}", i + 1, COLUMNS[k]);
-        let cell = |k: usize| {
-            cells.get(places[k]).copied().ok_or_else(|| Flaw::new(at(k), "is missing: the line is too short"))
-        };
-        let number = |k: usize| {
-            let text = cell(k)?;
-            let value: f64 = text.parse().map_err(|_| Flaw::new(at(k), format!("{text:?} is no number")))?;
-            if value.is_finite() && value.abs() <= MOST {
-                return Ok(value);
-            }
-            Err(Flaw::new(at(k), format!("{value} must lie in -{MOST} to {MOST}")))
-        };
-        let pose = match (cell(4)?.is_empty(), cell(5)?.is_empty(), cell(6)?.is_empty()) {
-            (true, true, true) => None,
-            _ => Some([number(4)?, number(5)?, number(6)?]),
-        };
-        let sample = Sample { time: number(1)?, sides: [number(2)?, number(3)?], pose };
-        let name = cell(0)?;
-        match windows.last_mut().filter(|w| w.name == name) {
-            Some(w) => {
-                let last = w.samples[w.samples.len() - 1].time;
-                if sample.time <= last {
-                    let reason = format!("{} must exceed that of the row before, {last}", sample.time);
-                    return Err(Flaw::new(at(1), reason));
-                }
-                w.samples.push(sample);
-            }
-            None => windows.push(Window { name: name.to_owned(), samples: vec![sample] }),
-        }
-    }
-    if windows.is_empty() {
-        return Err(Flaw::new("file", "has no rows"));
-    }
-    for w in &windows {
-        let named = |problem: String| Err(Flaw::new(format!("window {}", w.name), problem));
-        let [first, .., last] = w.samples[..] else {
-            return named("has one row; two at least are needed".to_owned());
-        };
-        if first.pose.is_none() || last.pose.is_none() {
-            return named("has no pose in its first or in its last row".to_owned());
-        }
-        if last.time - first.time > LONGEST {
-            return named(format!("lasts {} s; at most {LONGEST} s", last.time - first.time));
-        }
-    }
-    Ok(windows)
 }
 
 impl Window {
@@ -342,6 +286,9 @@ fn outcome(recording: &Recording, cases: &[Case<'_>], frictions: &[f64]) -> Outc
     let mut o = Outcome::default();
     let count = |of: fn(&Case<'_>) -> bool| cases.iter().filter(|c| of(c)).count();
     o.figure("windows in the recording", recording.windows.len() as f64, "");
+    if recording.incomplete > 0 {
+        o.figure("windows left out, with missing values", recording.incomplete as f64, "");
+    }
     o.figure("windows that turn", count(|c| c.turns()) as f64, "");
     o.figure("windows straight ahead", count(|c| c.straight()) as f64, "");
     if cases.is_empty() {
@@ -460,7 +407,7 @@ mod tests {
     use super::*;
 
     fn husky() -> VehicleSpec {
-        VehicleSpec::parse(include_str!("../../../../tasks/vehicles/husky.yaml"), "husky.yaml").unwrap()
+        VehicleSpec::parse(include_str!("../../../../../tasks/vehicles/husky.yaml"), "husky.yaml").unwrap()
     }
 
     /// A turn of 2 s in which the recorded vehicle turns by 0.3 rad, and a straight window.
@@ -492,6 +439,51 @@ mod tests {
         assert!(report.page().contains("recorded, median"));
     }
 
+    /// A table of DRIVE with windows of four samples: a turn of 0.2 s, one with a missing wheel speed, a straight one.
+    fn drive(last: &str) -> String {
+        let mut head = vec!["calib_step".to_owned()];
+        let mut rows = [vec!["0".to_owned()], vec!["1".to_owned()], vec!["2".to_owned()]];
+        let mut add = |name: String, values: [&str; 3]| {
+            head.push(name);
+            rows.iter_mut().zip(values).for_each(|(row, v)| row.push(v.to_owned()));
+        };
+        for (name, values) in [("x", ["0", "0", "5"]), ("y", ["0", "0", "5"]), ("yaw", ["3", "0", "1"])] {
+            add(format!("init_icp_{name}"), values);
+        }
+        for k in 0..4 {
+            add(format!("right_wheel_vel_{k}"), ["30.0", if k == 2 { "" } else { "3" }, "4"]);
+            add(format!("left_wheel_vel_{k}"), ["10.0", "1", "4"]);
+        }
+        for (name, values) in [("x", ["0.6", "1", last]), ("y", ["0.1", "1", "5"]), ("yaw", ["-3", "0", "1"])]
+        {
+            add(format!("gt_icp_{name}"), values);
+        }
+        let lines: Vec<String> = std::iter::once(head).chain(rows).map(|row| row.join(",")).collect();
+        lines.join("\n")
+    }
+
+    #[test]
+    fn a_table_of_drive_is_read_with_a_window_in_each_row() {
+        let recording = Recording::parse(&drive("5.2"), "husky/torch_ready_dataframe.csv").unwrap();
+        assert_eq!((recording.windows.len(), recording.incomplete), (2, 1));
+        let [turn, straight] = &recording.windows[..] else { unreachable!() };
+        // Four samples at 20 Hz; the last pose is one sample later.
+        assert!((turn.seconds() - 0.2).abs() < 1e-12);
+        assert_eq!(turn.sides(0.12), [10.0, 30.0]);
+        // From 3 rad over π to -3 rad.
+        let motion = turn.measured();
+        assert!((motion.yaw - (std::f64::consts::TAU - 6.0)).abs() < 1e-12, "{}", motion.yaw);
+        assert!((motion.distance - hypot(0.6, 0.1)).abs() < 1e-12);
+        assert!((straight.measured().distance - 0.2).abs() < 1e-12);
+        let e = Recording::parse(&drive("far"), "t.csv").unwrap_err().to_string();
+        assert_eq!(e, "t.csv: line 4, gt_icp_x: \"far\" is no number");
+        let e = Recording::parse(&drive("5").replace("gt_icp_yaw", "gt"), "t.csv").unwrap_err().to_string();
+        assert_eq!(e, "t.csv: line 1: has no column gt_icp_yaw, which a table of DRIVE has");
+        let e =
+            Recording::parse(&drive("5").replace("right_wheel_vel_3", "r"), "t.csv").unwrap_err().to_string();
+        assert_eq!(e, "t.csv: line 1: has no column right_wheel_vel_3, which a table of DRIVE has");
+    }
+
     #[test]
     fn what_is_no_recording_is_refused_with_line_and_column() {
         let refused = |from: &str, to: &str, says: &str| {
@@ -505,9 +497,10 @@ mod tests {
         refused("b,12,3.0,3.0,5.5,5.8,1.0,", "b,12", "line 6, x: is missing");
         refused("5.5,5.8,1.0", ",,", "window b: has no pose in its first or in its last row");
         refused("5.5,5.8,1.0", "5.5,nan,1.0", "line 6, y: NaN must lie in");
+        refused("a,1,1.0", "\"a\",\"1\",\"1.0x\"", "line 3, left: \"1.0x\" is no number");
         let e = Recording::parse("window,time,left,right,x,y,yaw\n", "drive.csv").unwrap_err().to_string();
         assert_eq!(e, "drive.csv: file: has no rows");
-        let hmmwv = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+        let hmmwv = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
         let spec = VehicleSpec::parse(hmmwv, "hmmwv.yaml").unwrap();
         let e = replay(&spec, &Recording::parse(TEXT, "d").unwrap(), &[0.5], 1e-3).unwrap_err().to_string();
         assert!(e.starts_with("hmmwv: skid: is not there"), "{e}");
