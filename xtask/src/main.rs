@@ -26,6 +26,7 @@ mod test;
 mod tune;
 mod wasm_target;
 mod wheel;
+mod words;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -38,7 +39,7 @@ Usage: cargo xtask <TASK>
 Tasks:
   demo                  Build the harness and the PID planner, drive it over the small suite and print the results
   test                  Build everything the tests need and run them all
-  lint                  Check formatting, lints and documentation
+  lint                  Check formatting, terms (STYLE.md), lints and documentation
   plugins [--out DIR]   Build all planners, as WASM and as native libraries [default DIR: target/plugins]
   plugins --wasm [--out DIR]
                         Build them as WASM alone

@@ -61,6 +61,7 @@ fn say_skipped(list: &str) {
 pub(crate) fn lint() -> Result<(), Failure> {
     step("checking formatting, lints and documentation");
     cargo(&["fmt", "--all", "--check"])?;
+    crate::words::check()?;
     // In release, where the macros that they expand were built for the tests.
     cargo(&["clippy", "--quiet", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
     cargo(&["doc", "--quiet", "--release", "--workspace", "--no-deps"])

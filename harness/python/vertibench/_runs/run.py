@@ -1,4 +1,4 @@
-"""A run, and what can be done with it."""
+"""A run and the operations on it."""
 
 from __future__ import annotations
 

@@ -188,7 +188,7 @@ class Sb3VecEnv(VecEnv):
         return [method(index, *method_args, **method_kwargs) for index in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Tells whether environments are wrapped; True only for SB3's Monitor, whose records this class provides.
+        """Returns whether environments are wrapped; True only for SB3's Monitor, whose records this class provides.
 
         Args:
             wrapper_class: Wrapper class.
