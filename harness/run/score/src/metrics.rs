@@ -20,21 +20,21 @@ measures! {
         pub roll_mean_deg: f64 => column("|roll| °") drawn(Papers, "Mean |roll| of a task", "degrees"),
         /// Variance of |roll|, degrees².
         pub roll_variance_deg2: f64,
-        /// Greatest |roll|, degrees.
-        pub roll_max_deg: f64 => column("most") drawn(Pages, "Greatest |roll| of a task", "degrees"),
+        /// Maximum |roll|, degrees.
+        pub roll_max_deg: f64 => column("most") drawn(Pages, "Maximum |roll| of a task", "degrees"),
         /// Roll at the last sample, degrees, with its sign.
         pub roll_end_deg: f64 => signed(),
         /// Mean of |pitch|, degrees.
         pub pitch_mean_deg: f64 => column("|pitch| °") drawn(Papers, "Mean |pitch| of a task", "degrees"),
         /// Variance of |pitch|, degrees².
         pub pitch_variance_deg2: f64,
-        /// Greatest |pitch|, degrees.
-        pub pitch_max_deg: f64 => column("most") drawn(Pages, "Greatest |pitch| of a task", "degrees"),
+        /// Maximum |pitch|, degrees.
+        pub pitch_max_deg: f64 => column("most") drawn(Pages, "Maximum |pitch| of a task", "degrees"),
         /// Length of the reference point's way through space, m: the sum of the distances between samples.
         pub distance_m: f64 => column("way m") drawn(Pages, "Way travelled", "m"),
         /// That length over its time, m/s.
         pub speed_mean_m_per_s: f64 => drawn(Papers, "Mean speed", "m/s"),
-        /// Greatest speed at a sample, m/s.
+        /// Maximum speed at a sample, m/s.
         pub speed_max_m_per_s: f64,
         /// Time integral of the throttle command, s.
         pub throttle_effort_s: f64,
@@ -46,7 +46,7 @@ measures! {
         pub steering_rate_per_s: f64,
         /// Time under a command for the reverse gear, s.
         pub reverse_s: f64,
-        /// Least distance from the goal in the plane, m.
+        /// Minimum distance from the goal in the plane, m.
         pub goal_distance_min_m: f64,
         /// Distance from the goal in the plane at the last sample, m.
         pub goal_distance_end_m: f64
@@ -203,7 +203,7 @@ impl Accumulator {
         self.last = Some(*s);
     }
 
-    /// Greatest |roll| and |pitch| so far, degrees.
+    /// Maximum |roll| and |pitch| so far, degrees.
     pub(crate) fn angle_maxima(&self) -> (f64, f64) {
         (self.roll.max, self.pitch.max)
     }

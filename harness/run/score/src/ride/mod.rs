@@ -45,7 +45,7 @@ measures! {
         pub airborne_fraction: f64,
         /// Whether the vehicle was upright (tilt below 60°) with a load on two wheels or more in the last 0.2 s.
         pub landed: bool,
-        /// Greatest mechanical energy that nothing supplied, J.
+        /// Maximum mechanical energy that nothing supplied, J.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub energy_surplus_j: Option<f64>,
         /// Fraction of the steps in which the depth of a wheel was limited.
