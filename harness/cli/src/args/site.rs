@@ -40,8 +40,8 @@ impl From<Ground> for vb_suite::import::Ground {
 
 #[derive(Debug, Args)]
 pub(crate) struct SiteArgs {
-    /// Elevation raster: GeoTIFF, ESRI grid (.asc, .bil, .flt), SRTM tile (.hgt), NumPy (.npy, .npz), PNG or BMP, detected by
-    /// content
+    /// Elevation raster: GeoTIFF, ESRI grid (.asc, .bil, .flt), SRTM tile (.hgt), NumPy (.npy, .npz), PNG or BMP; or a course (OpenCRG,
+    /// .crg); detected by content
     #[arg(value_name = "RASTER")]
     pub(crate) raster: PathBuf,
     /// Directory for the suite

@@ -122,6 +122,9 @@ pub(crate) struct VehicleTestArgs {
     /// Event to run; may be repeated; default: all
     #[arg(long = "event", value_name = "NAME")]
     pub(crate) events: Vec<String>,
+    /// OpenCRG file that the events ride-course and half-round drive instead of their courses; without --event, only these run
+    #[arg(long, value_name = "FILE")]
+    pub(crate) course: Option<PathBuf>,
     /// List the events and exit
     #[arg(long, group = "what")]
     pub(crate) list: bool,

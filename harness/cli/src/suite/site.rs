@@ -4,10 +4,10 @@ use std::path::Path;
 
 use vb_suite::generate::GeneratorParams;
 use vb_suite::import::Source;
-use vb_suite::site::{Cut, Site, SiteParams, Survey};
+use vb_suite::site::{CourseSite, Cut, Site, SiteParams, Survey};
 use vb_terrain::ElevationImage;
 use vb_terrain::crs::Crs;
-use vb_terrain::read::{Holes, Options, PICTURE, Said, short, survey};
+use vb_terrain::read::{Holes, Options, PICTURE, Said, is_course, short, survey};
 use vb_world::{Georeference, Provenance, SuiteMeta};
 
 use crate::args::{ImportArgs, SiteArgs};
@@ -29,6 +29,9 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     must_be_free(&args.out)?;
     let rules_of_site = rules::<SiteParams>(args.site.as_deref())?;
     let params = rules::<GeneratorParams>(args.params.as_deref())?;
+    if is_course(&args.raster) {
+        return course(args, args.site.is_some().then_some(&rules_of_site), &params);
+    }
     let file = args.raster.display();
     let options = Options {
         holes: Holes::Keep,
@@ -116,6 +119,68 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
         Ok(world)
     });
     write(&args.out, meta, worlds)
+}
+
+/// Makes the world of a course. `site` are the rules of the user's, if there are any.
+fn course(args: &SiteArgs, site: Option<&SiteParams>, params: &GeneratorParams) -> Result<(), CliError> {
+    let given = [
+        ("--sample-resolution", args.sample_resolution.is_some()),
+        ("--unit", args.unit.is_some()),
+        ("--no-data", args.no_data.is_some()),
+        ("--keep-values", args.keep_values),
+        ("--crs", args.crs.is_some()),
+        ("--at", args.at != [0.0; 2]),
+        ("--tiles", args.tiles),
+        ("--labels", args.labels.is_some()),
+    ];
+    let file = args.raster.display();
+    let given: Vec<&str> = given.into_iter().filter(|(_, given)| *given).map(|(name, _)| name).collect();
+    if !given.is_empty() {
+        return Err(CliError::usage(format!(
+            "{file}: a course of OpenCRG becomes one world, to which {} doesn't apply: leave it out",
+            given.join(", ")
+        )));
+    }
+    let found = vb_terrain::read::course(&args.raster).map_err(CliError::input)?;
+    output::note(&found.course.summary());
+    for note in &found.notes {
+        output::say(&format!("note: {note}"));
+    }
+    let obstacles = args.obstacles.as_deref().map(vb_world::read_obstacles).transpose();
+    let obstacles = obstacles.map_err(CliError::input)?.unwrap_or_default();
+    let failed = |e| CliError::input(format!("{file}: {e}"));
+    let made =
+        CourseSite::new(&found.course, &obstacles, args.density, site, params, args.seed).map_err(failed)?;
+    let (side, resolution) = (made.side(), made.resolution());
+    output::note(&format!(
+        "a world of {side} m with nodes {resolution} m apart, and a task along the course"
+    ));
+    if resolution > COARSE * found.course.increment() {
+        output::say(&format!(
+            "warning: nodes {resolution} m apart are too coarse for a course with cuts every {} m: nothing shorter than {} m is in this \
+             world, and it drives smoother than the course",
+            short(found.course.increment()),
+            short(2.0 * resolution)
+        ));
+    }
+    let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let meta = SuiteMeta {
+        name: name(&args.out),
+        version: "1".into(),
+        description: format!("The course in {}.", name(&args.raster)),
+        provenance: Provenance::Imported {
+            source: format!(
+                "{}, {}, site rules {}, rules {}, seed {}",
+                name(&args.raster),
+                found.course.summary(),
+                made.rules(),
+                params.name,
+                args.seed
+            ),
+            place: None,
+        },
+    };
+    write(&args.out, meta, std::iter::once(made.world().map_err(failed)))
 }
 
 /// Labels of the ground, whose holes matter only where a world lies.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::harness;
+use crate::common::{harness, succeed};
 use tempfile::TempDir;
 
 /// Exit codes of docs/results.md.
@@ -86,6 +86,39 @@ fn a_survey_with_room_for_too_many_worlds_is_refused_and_the_folder_is_looked_at
         let site = ["suite", "site", raster, "--out", "x", "--tiles", "--sample-resolution", resolution];
         let told = fail(&dir, &site, BAD_INPUT);
         assert!(told.contains("999 at most") && told.contains("--at"), "{told}");
+    }
+    assert!(!dir.path().join("x").exists(), "nothing is written");
+}
+
+/// A ramp of 0.3 m on a course of 40 m by 4 m.
+const COURSE: &str = "$ROAD_CRG\nREFERENCE_LINE_INCREMENT = 10.0\nLONG_SECTION_V_INCREMENT = 4.0\n$KD_DEFINITION\n#:LRFI\n\
+                      D:long section 1,m\nD:long section 2,m\n$$$$\n 0.0000000 0.0000000\n 0.0000000 0.0000000\n \
+                      0.3000000 0.3000000\n 0.3000000 0.3000000\n 0.0000000 0.0000000\n";
+
+#[test]
+fn a_course_becomes_a_world_with_a_task_along_it_and_is_refused_in_one_line() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("ramp.crg"), COURSE).unwrap();
+    let made = harness(&dir, &["suite", "site", "ramp.crg", "--out", "ramp"]);
+    let said = String::from_utf8(made.stderr).unwrap();
+    assert!(made.status.success(), "{said}");
+    assert!(
+        said.starts_with("course of 40.00 m by 4.00 m, 5 cuts every 10 m with 2 sections, heights 0.000 to 0.300 m, straight\n"),
+        "{said}"
+    );
+    // 40 m and 8 m at both ends, in patches of 8 m.
+    assert!(said.contains("a world of 56 m with nodes 1 m apart, and a task along the course"), "{said}");
+    let valid = succeed(&dir, &["suite", "validate", "ramp"]);
+    assert!(valid.contains("1 worlds, 1 tasks, all valid"), "{valid}");
+    let told = fail(&dir, &["suite", "site", "ramp.crg", "--out", "x", "--unit", "0.01", "--tiles"], USAGE);
+    assert!(told.contains("--unit, --tiles doesn't apply"), "{told}");
+    std::fs::write(dir.path().join("bad.crg"), COURSE.replace("LRFI", "LHFI")).unwrap();
+    for args in [
+        &["suite", "site", "bad.crg", "--out", "x"][..],
+        &["vehicle", "test", "gator", "--course", "bad.crg", "--out", "x"],
+    ] {
+        let told = fail(&dir, args, BAD_INPUT);
+        assert!(told.contains("bad.crg: line 5: the data format LHFI is not read"), "{told}");
     }
     assert!(!dir.path().join("x").exists(), "nothing is written");
 }

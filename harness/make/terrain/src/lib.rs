@@ -1,6 +1,7 @@
 //! Elevation data, a model learned from it, and surfaces drawn from the model.
 
 pub mod bands;
+pub mod course;
 #[cfg(feature = "files")]
 pub mod crs;
 #[cfg(feature = "files")]
@@ -23,6 +24,7 @@ mod utm;
 #[cfg(feature = "files")]
 pub mod write;
 
+pub use course::Course;
 pub use elevation::ElevationImage;
 pub use generate::{GenerateError, Request, fraction};
 pub use model::{Header, Model, ModelError};

@@ -2,6 +2,7 @@
 
 use crate::characteristics::Characteristics;
 use crate::check::{Expectation, Expected};
+use crate::course::NamedCourse;
 use crate::geometry::Geometry;
 use crate::pace::Pace;
 use serde::Serialize;
@@ -19,6 +20,8 @@ pub struct Bench<'a> {
     pub(crate) pace: Pace,
     /// The vehicle as it stands on level ground.
     pub(crate) standing: VehicleState,
+    /// The course of a file that takes the place of those of the events.
+    pub(crate) course: Option<&'a NamedCourse>,
 }
 
 impl<'a> Bench<'a> {
@@ -31,7 +34,21 @@ impl<'a> Bench<'a> {
         let model = VehicleModel::new(spec.clone())?;
         let rest = crate::grounds::at_rest(&model, options)?;
         let geometry = Geometry::new(&model, rest.wheels.iter().map(|w| w.deflection).collect());
-        Ok(Self { spec, soils, options, geometry, pace: Pace::new(spec), model, standing: rest })
+        Ok(Self {
+            spec,
+            soils,
+            options,
+            geometry,
+            pace: Pace::new(spec),
+            model,
+            standing: rest,
+            course: None,
+        })
+    }
+
+    /// The same with a course for the events `ride-course` and `half-round`.
+    pub(crate) fn on_course(self, course: Option<&'a NamedCourse>) -> Self {
+        Self { course, ..self }
     }
 
     #[must_use]

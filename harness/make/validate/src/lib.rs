@@ -11,6 +11,7 @@
 
 mod characteristics;
 mod check;
+mod course;
 mod error;
 mod event;
 mod events;
@@ -32,6 +33,7 @@ mod traction;
 
 pub use characteristics::{AxleCharacteristics, Characteristics, Ride};
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
+pub use course::NamedCourse;
 pub use error::ValidateError;
 pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};
 pub use events::{event, events};

@@ -1,9 +1,10 @@
 //! Running events, side by side.
 
 use crate::check::{Check, Kind};
+use crate::course::NamedCourse;
 use crate::error::ValidateError;
 use crate::event::{Bench, Event, LineKind, Outcome, Place};
-use crate::events::{event, events};
+use crate::events::{COURSES, event, events};
 use crate::reference::References;
 use crate::report::Report;
 use crate::result::{EventResult, InSetup};
@@ -20,12 +21,14 @@ pub struct RunOptions {
     pub step: f64,
     /// Events run at a time.
     pub jobs: usize,
+    /// A course that `ride-course` and `half-round` drive instead of their own. If no events are named, these alone are run.
+    pub course: Option<NamedCourse>,
 }
 
 impl Default for RunOptions {
     /// All events at the step that the harness ships with, one after the other.
     fn default() -> Self {
-        Self { events: Vec::new(), step: SimOptions::default().step, jobs: 1 }
+        Self { events: Vec::new(), step: SimOptions::default().step, jobs: 1, course: None }
     }
 }
 
@@ -52,16 +55,20 @@ pub fn run(
             return Err(ValidateError::NotForVehicle { name: name.clone(), kind, vehicle });
         }
     }
-    let bench = Bench::new(spec, soils, options.step)?;
+    let course = options.course.as_ref();
+    let bench = Bench::new(spec, soils, options.step)?.on_course(course);
     let mut others = Vec::new();
     for (kind, setup) in &references.setups {
-        let ready = |vehicle| Bench::new(vehicle, soils, options.step);
+        let ready = |vehicle| Bench::new(vehicle, soils, options.step).map(|bench| bench.on_course(course));
         others.push((*kind, ready(&setup.ground)?, ready(&setup.soil)?));
     }
     let wanted: Vec<&'static Event> = events()
         .iter()
         .filter(|e| e.fits(spec))
-        .filter(|e| options.events.is_empty() || options.events.iter().any(|n| n == e.name))
+        .filter(|e| match options.events.as_slice() {
+            [] => course.is_none() || COURSES.contains(&e.name),
+            named => named.iter().any(|n| n == e.name),
+        })
         .collect();
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<(usize, EventResult)>> = Mutex::new(Vec::new());

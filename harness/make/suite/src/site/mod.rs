@@ -1,5 +1,6 @@
-//! Worlds of a real place, from a raster of its heights.
+//! Worlds of a real place, from a raster of its heights or a course.
 
+mod course;
 mod rules;
 mod survey;
 
@@ -9,6 +10,7 @@ use vb_math::rng::Stream;
 use vb_terrain::ElevationImage;
 use vb_world::{Density, Heightfield, Obstacle, Semantics, Terrain, TerrainClass, World};
 
+pub use course::CourseSite;
 pub use rules::{GroundRule, SiteGround, SiteParams};
 
 use crate::generate::{
@@ -132,6 +134,22 @@ pub enum SiteError {
         /// The median slope, degrees.
         slope: f64,
     },
+    #[error("the course needs a world of {needed} m, and {most} m is the most: cut it into parts")]
+    CourseLength {
+        /// The side that holds the course, m.
+        needed: f64,
+        /// The longest side of a world, m.
+        most: f64,
+    },
+    #[error(
+        "`side` is {side} m, but the course needs {needed} m: raise it (--site FILE), or leave out --site"
+    )]
+    CourseSide {
+        /// The side of the rules, m.
+        side: f64,
+        /// The side that holds the course, m.
+        needed: f64,
+    },
     /// The starts, obstacles or paths found no place.
     #[error(transparent)]
     Generate(#[from] GenerateError),
@@ -248,7 +266,7 @@ impl<'a> Site<'a> {
         if !self.any_relief && (relief > HIGHEST * side || slope > STEEPEST) {
             return Err(SiteError::Relief { at, side, relief, slope });
         }
-        let semantics = ground(place, &heightfield, site, rules, &mut stream("ground"))?;
+        let semantics = ground(place.labels, place.at, &heightfield, site, rules, &mut stream("ground"))?;
         let soft = semantics.classes.iter().filter(|c| c.is_deformable()).count();
         let terrain = match soft {
             0 => Terrain::Rigid,
@@ -348,9 +366,10 @@ fn surface(place: &Place<'_>, site: &SiteParams) -> Result<Heightfield, SiteErro
     Ok(counted_from_lowest(nodes, site.resolution, &heights, None))
 }
 
-/// Classes by labels or by rules, friction by class as the generator draws it.
+/// Classes by labels about `middle` or by rules, friction by class as the generator draws it.
 fn ground(
-    place: &Place<'_>,
+    labels: Option<&Layout<'_>>,
+    middle: [f64; 2],
     surface: &Heightfield,
     site: &SiteParams,
     rules: &GeneratorParams,
@@ -361,8 +380,8 @@ fn ground(
     for row in 0..n {
         for col in 0..n {
             let corner = [col as f64 * site.patch - half, row as f64 * site.patch - half];
-            let class = match place.labels {
-                Some(labels) => majority(labels, place.at, corner, site)?,
+            let class = match labels {
+                Some(labels) => majority(labels, middle, corner, site)?,
                 None => by_rules(surface, corner, site),
             };
             classes.push(class);

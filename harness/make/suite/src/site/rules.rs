@@ -53,6 +53,13 @@ fn always() -> [f64; 2] {
 }
 
 impl GroundRule {
+    /// A rule without conditions, for ground of any slope and height.
+    pub(crate) const ALWAYS: Self = Self {
+        class: TerrainClass::Dirt,
+        slope: [f64::NEG_INFINITY, f64::INFINITY],
+        height: [f64::NEG_INFINITY, f64::INFINITY],
+    };
+
     pub(crate) fn holds(&self, slope: f64, height: f64) -> bool {
         let within = |[low, high]: [f64; 2], v: f64| (low..=high).contains(&v);
         within(self.slope, slope) && within(self.height, height)

@@ -26,10 +26,12 @@ pub(super) enum Format {
     /// Samples beside a header of this name.
     BinaryGrid(PathBuf),
     Srtm(Tile),
+    /// A course of OpenCRG.
+    Course,
 }
 
 /// Bytes that are looked at.
-const START: u64 = 512;
+const START: u64 = 4096;
 const CONVERT: &str = "convert it with gdal_translate -of GTiff -co COMPRESS=DEFLATE";
 
 impl Format {
@@ -45,6 +47,7 @@ impl Format {
             [b'P', b'K', 3 | 5, 4 | 6, ..] => Self::Archive,
             [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Self::Tiff,
             _ if is_ascii_grid(&start) => Self::AsciiGrid,
+            _ if is_course(&start) => Self::Course,
             _ => {
                 if let Some(name) = known(&start) {
                     return Err(Flaw::Format(name));
@@ -65,6 +68,15 @@ fn is_ascii_grid(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     let first = text.split_whitespace().next().unwrap_or_default().to_ascii_lowercase();
     super::ascii_grid::KEYS.contains(&first.as_str()) && text.split_whitespace().nth(1).is_some()
+}
+
+/// Whether a file has a line that begins one of OpenCRG's sections, behind comments at most.
+fn is_course(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start).to_ascii_uppercase();
+    let mut lines =
+        text.trim_start_matches('\u{feff}').lines().filter(|l| !l.is_empty() && !l.starts_with('*'));
+    let first = lines.next().unwrap_or_default();
+    ["$CT", "$ROAD_CRG"].iter().any(|name| first.starts_with(name))
 }
 
 /// What a file is that is no elevation file of those that are read, with the way to make one of it.
@@ -125,11 +137,6 @@ fn known(start: &[u8]) -> Option<String> {
         || lower.starts_with("mtllib")
     {
         return Some("is a mesh: make a grid of heights of it first".into());
-    }
-    if lower.starts_with("$ct") || lower.starts_with("comment_opencrg") || lower.contains("$road_crg") {
-        return Some(
-            "is a road of OpenCRG, whose grid follows a curve: make a grid of heights of it first".into(),
-        );
     }
     if lower.starts_with('{') || lower.starts_with('[') {
         return Some("is JSON and no elevation file: give the file of heights that it may name".into());
@@ -193,7 +200,7 @@ fn unknown(path: &Path) -> Flaw {
         _ => "",
     };
     Flaw::Format(format!(
-        "its content is no elevation file that is read (GeoTIFF, ESRI grid .asc or .bil, SRTM .hgt, NumPy .npy or .npz, PNG, BMP){binary}: {CONVERT} IN OUT.tif, \
+        "its content is no elevation file that is read (GeoTIFF, ESRI grid .asc or .bil, SRTM .hgt, NumPy .npy or .npz, PNG, BMP, OpenCRG .crg){binary}: {CONVERT} IN OUT.tif, \
          if GDAL reads it"
     ))
 }

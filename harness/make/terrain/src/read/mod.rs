@@ -1,4 +1,5 @@
-//! Readers of elevation files: GeoTIFF, ESRI grids (ASCII and binary with a header), SRTM tiles, NumPy arrays and archives, PNG and BMP.
+//! Readers of elevation files: GeoTIFF, ESRI grids (ASCII and binary with a header), SRTM tiles, NumPy arrays and archives, PNG and BMP,
+//! OpenCRG.
 //!
 //! The content decides on the format, not the name. Whatever is wrong with a file is one line: what, where, what to do. Sizes are
 //! checked before memory is taken. [`survey()`] tells all that a file says about its heights; [`read`] returns the heights alone.
@@ -7,6 +8,7 @@
 
 mod ascii_grid;
 mod binary_grid;
+mod crg;
 mod finish;
 mod format;
 mod geotiff;
@@ -27,6 +29,7 @@ use crate::ElevationImage;
 use finish::{Found, finish};
 use format::Format;
 
+pub use crg::{CourseFile, course};
 pub use survey::{Options, Place, Said, Survey, short};
 
 /// What GeoTIFFs are read from.
@@ -72,6 +75,9 @@ pub enum Flaw {
     /// It is sound, but stored in a way that is not read; the text says how to convert it.
     #[error("{0}")]
     Unsupported(String),
+    /// A line of a text file, counted from 1, is at fault.
+    #[error("line {line}: {problem}")]
+    Line { line: usize, problem: String },
     /// It has another number of dimensions than two, or several bands.
     #[error("holds {0}")]
     Rank(String),
@@ -141,11 +147,18 @@ pub fn survey(path: &Path, options: &Options) -> Result<Survey, ReadError> {
             Format::AsciiGrid => ascii_grid::read(path, size)?,
             Format::BinaryGrid(header) => binary_grid::read(path, &header, size)?,
             Format::Srtm(tile) => binary_grid::srtm(path, &tile)?,
+            Format::Course => crg::found(path)?,
         };
         sidecar::apply(path, &mut found, options)?;
         finish(found, options)
     };
     inner().map_err(|flaw| ReadError { path: path.to_owned(), flaw })
+}
+
+/// Tells whether a file is a course of OpenCRG, by its content; also `false` for one that can't be read.
+#[must_use]
+pub fn is_course(path: &Path) -> bool {
+    Format::of(path, 0).is_ok_and(|format| format == Format::Course)
 }
 
 /// Reads with a library that may panic on a damaged file.

@@ -3,6 +3,7 @@
 mod circle;
 mod convergence;
 mod cornering;
+mod courses;
 mod data_sheet;
 mod energy;
 mod grades;
@@ -56,6 +57,8 @@ const EVENTS: &[Event] = &[
     vertical::BUMP,
     vertical::DROP,
     vertical::STEP_CLIMB,
+    courses::RIDE,
+    courses::HALF_ROUND,
     tracks::TRENCH,
     obstacle::OBSTACLES,
     twist::TWIST,
@@ -77,6 +80,9 @@ const EVENTS: &[Event] = &[
     tracks::PULL,
     convergence::CONVERGENCE,
 ];
+
+/// The events that drive over courses.
+pub(crate) const COURSES: [&str; 2] = [courses::RIDE.name, courses::HALF_ROUND.name];
 
 /// All events, in the order of the report.
 #[must_use]
