@@ -1,8 +1,8 @@
 //! What a planner costs in each language: `cargo bench --package vb-harness --bench languages`, after
 //! `cargo xtask plugins` and `cargo xtask examples`.
 //!
-//! Prints a table, the one of docs/writing-a-planner.md. Times of compiling are processor time, so that two cores count
-//! twice; the others are the best of several tries, by the clock.
+//! Prints a table, of which docs/performance.md has the figures. Times of compiling are processor time, so that two
+//! cores count twice; the others are the best of several tries, by the clock.
 
 #![allow(clippy::print_stdout, reason = "a table is what this is for")]
 #![allow(clippy::disallowed_methods, reason = "it measures time; no score is near")]

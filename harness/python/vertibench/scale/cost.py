@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .._command import above_zero, whole_number
 
-# Measurements of docs/scale.md.
+# Measurements of docs/performance.md.
 
 #: Start of a run or of a shard's part of one: loading the compiled planner, verifying the hashes of the worlds; s.
 START = 0.2

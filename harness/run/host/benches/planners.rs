@@ -2,8 +2,8 @@
 //! planners`, after `cargo xtask plugins`. `rollouts` (examples) draws 1000 courses of 20 steps through a network of
 //! 6-64-64-6 units, `mppi` as many with a bicycle.
 //!
-//! Prints a table, the one of docs/abi.md and docs/planners.md: medians of alternating steps, so that both meet the same
-//! machine, and the fuel of a step. The native planner is in its sandboxed process, as in a run.
+//! Prints a table, with the figures of docs/performance.md and docs/planners.md: medians of alternating steps, so that
+//! both meet the same machine, and the fuel of a step. The native planner is in its sandboxed process, as in a run.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a table is what this is for")]
 #![allow(clippy::disallowed_methods, reason = "it measures time; no score is near")]
