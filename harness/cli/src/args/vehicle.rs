@@ -47,7 +47,7 @@ pub(crate) struct VehicleImportArgs {
     /// Directory to which paths in FILE are relative; default: searched above FILE
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Chrono: file of the engine, which vehicles do not name; default: chosen from the set
+    /// Chrono: file of the engine; default: the one that the vehicle names, else chosen from the set
     #[arg(long, value_name = "FILE")]
     pub(crate) engine: Option<PathBuf>,
     /// Chrono: file of the transmission; default: chosen from the set

@@ -72,7 +72,7 @@ pub fn import(file: &Path, options: &Options) -> Result<Imported, ImportError> {
     let imported = if start.starts_with('<') {
         urdf::import(file, &text, options)?
     } else if start.starts_with(['{', '/']) {
-        chrono::import(file, options)?
+        chrono::import(file, &text, options)?
     } else {
         let problem = "neither JSON of Project Chrono nor URDF or xacro; give one of these, or write the vehicle file as \
                        docs/custom-vehicle.md describes";

@@ -3,7 +3,7 @@
 use super::json::Node;
 use super::strut::struts;
 use super::suspension::{Parts, ball, half, parts, spindle};
-use crate::place::{add, length, middle, mirrored, sub};
+use crate::place::{add, length, middle, mirrored, scale, sub};
 use crate::{ImportError, Notes};
 use vb_vehicle::Point;
 use vb_vehicle::suspension::{
@@ -103,12 +103,14 @@ pub(super) fn read(root: &Node, template: &str, notes: &mut Notes) -> Result<Par
             (Vec::new(), rods)
         }
         "DeDionAxle" | "ToeBarDeDionAxle" => {
-            let joint = tube.pt("Location Connector")?;
+            let key = "Location Connector";
+            let joint = tube.get("Location Connector Chassis").map_or_else(|| tube.pt(key), |n| n.point())?;
             let mut rods = ball(joint, [1.0, 1.0, 1.0]).to_vec();
             let at = [centre[0], 0.0, centre[2]];
+            watt(root, centre, &mut out, &mut beam)?;
             rods.push(Rod { chassis: add(at, [0.0, GUIDE, 0.0]), carrier: at });
             notes.approximated(format!(
-                "{}: the De Dion tube turns about its connector; a rod of {GUIDE} m across the axle guides it sideways",
+                "{}: the De Dion tube turns about its connector; a rod of {GUIDE} m across the axle guides it sideways in place of a Watt linkage",
                 root.doc().file
             ));
             (Vec::new(), rods)
@@ -182,6 +184,18 @@ fn panhard(root: &Node, out: &mut Parts, beam: &mut Beam) -> Result<Rod, ImportE
     beam.mass += 0.5 * mass;
     out.sprung.push((0.5 * mass, rod.chassis));
     Ok(rod)
+}
+
+/// The masses of a Watt linkage: its centre link and half of its side links move with the beam.
+fn watt(root: &Node, spindle: Point, out: &mut Parts, beam: &mut Beam) -> Result<(), ImportError> {
+    let Some(node) = root.get("Watt Mechanism") else { return Ok(()) };
+    let side = node.num_or("Side Link Mass", 0.0)?;
+    beam.mass += node.num_or("Center Link Mass", 0.0)? + side;
+    for key in ["Location Left Link to Chassis", "Location Right Link to Chassis"] {
+        let end = node.get(key).map_or(Ok(spindle), |n| n.point())?;
+        out.sprung.push((0.5 * side, end));
+    }
+    Ok(())
 }
 
 /// The anti-roll bar of a beam: its twist over the difference of the wheels' travels.
@@ -289,8 +303,15 @@ fn knuckles(
     let k = root.need("Knuckle")?;
     let lower = k.pt("Location Lower")?;
     let upper = k.pt("Location Upper")?;
-    let tie = root.need("Tierod")?;
-    beam.mass += tie.num_or("Mass", 0.0)?;
+    let tie = root.get("Tierod");
+    if let Some(t) = &tie {
+        beam.mass += t.num_or("Mass", 0.0)?;
+    }
+    let knuckle = match (k.get("Location Tierod"), &tie) {
+        (Some(n), _) => n.point()?,
+        (None, Some(t)) => t.pt("Location Knuckle")?,
+        (None, None) => return root.fail("\"Tierod\" is missing; the template needs it"),
+    };
     let drag = root.need("Draglink")?;
     beam.mass += 0.5 * drag.num_or("Mass", 0.0)?;
     let end = |node: &Node, keys: &[&str]| match node.any(keys) {
@@ -300,16 +321,30 @@ fn knuckles(
     let inner = end(&drag, &["Location Chassis", "Location Steering"])?;
     if let Some(crank) = root.any(&["Bellcrank", "Bell Crank"]) {
         beam.mass += crank.num_or("Mass", 0.0)?;
-        let rod = crank.pt("Location Tierod")?;
-        let knuckle = match k.get("Location Tierod") {
-            Some(n) => n.point()?,
-            None => tie.pt("Location Knuckle")?,
-        };
+        let (rod, pivot) = (crank.pt("Location Tierod")?, crank.pt("Location Axle")?);
+        let outer = end(&drag, &["Location Bellcrank", "Location Bell Crank"])?;
         if template == "SolidAxle" {
+            // The crank shifts the tie rod across the axle: the left knuckle turns as if the drag link pulled it by a lever parallel
+            // to the crank's, longer by the ratio of the knuckle's arm to the crank's.
+            let (arm, own) = (knuckle[0] - middle(&[lower, upper])[0], rod[0] - pivot[0]);
+            if own * arm <= 0.0 {
+                return crank.fail(format!(
+                    "its arm to the tie rod is {own} m long along the vehicle and the knuckle's {arm} m; both must point the same way"
+                ));
+            }
+            let lever = scale(sub(outer, pivot), arm / own);
+            let outer_here = add([lower[0], middle(&[lower, upper])[1], outer[2]], [lever[0], lever[1], 0.0]);
             notes.approximated(format!(
-                "{}: a tie rod goes from the bell crank to each knuckle; Chrono has one across the axle",
+                "{}: the drag link pulls the left knuckle by a lever parallel to the bell crank's",
                 root.doc().file
             ));
+            return Ok(Knuckles {
+                kingpin_lower: lower,
+                kingpin_upper: upper,
+                tie_rod: knuckle,
+                drag_link_inner: add(outer_here, sub(inner, outer)),
+                by: KnuckleDrive::Toebar { drag_link_outer: outer_here },
+            });
         }
         return Ok(Knuckles {
             kingpin_lower: lower,
@@ -317,16 +352,15 @@ fn knuckles(
             tie_rod: knuckle,
             drag_link_inner: inner,
             by: KnuckleDrive::Bellcrank {
-                pivot: crank.pt("Location Axle")?,
+                pivot,
                 axis: [0.0, 0.0, 1.0],
-                drag_link_outer: end(&drag, &["Location Bellcrank", "Location Bell Crank"])?,
+                drag_link_outer: outer,
                 tie_rod_left: rod,
                 tie_rod_right: mirrored(rod),
             },
         });
     }
     let mut outer = k.pt("Location Draglink")?;
-    let tie_rod = tie.pt("Location Knuckle")?;
     let mut inner = inner;
     if outer[1] < 0.0 {
         // The simulator's drag link turns the left knuckle; a toe bar carries its motion over.
@@ -340,7 +374,7 @@ fn knuckles(
     Ok(Knuckles {
         kingpin_lower: lower,
         kingpin_upper: upper,
-        tie_rod,
+        tie_rod: knuckle,
         drag_link_inner: inner,
         by: KnuckleDrive::Toebar { drag_link_outer: outer },
     })

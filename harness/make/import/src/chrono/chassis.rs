@@ -64,7 +64,7 @@ pub(crate) fn read(set: &Set, root: &Node, notes: &mut Notes) -> Result<Body, Im
                 friction = Some(friction.map_or(mu, |f: f64| f.max(mu)));
             }
         }
-        for shape in contact.need("Shapes")?.items()? {
+        for shape in contact.get("Shapes").map_or(Ok(Vec::new()), |n| n.items())? {
             shape.get("Material Index").inspect(Node::used);
             parts.extend(convex(set, &shape, notes)?);
         }
@@ -89,7 +89,10 @@ fn convex(set: &Set, shape: &Node, notes: &mut Notes) -> Result<Vec<Vec<Point>>,
         }
         "CYLINDER" => {
             let (centre, radius, length) = (at()?, shape.num("Radius")?, shape.num("Length")?);
-            let axis = shape.pt("Axis")?;
+            let axis = match shape.get("Orientation").filter(|_| !shape.has("Axis")) {
+                Some(n) => turn(&quaternion(n.quaternion()?), [0.0, 0.0, 1.0]),
+                None => shape.pt("Axis")?,
+            };
             let axis = scale(axis, 1.0 / place::length(axis).max(1e-12));
             vec![hull::barrel(axis, radius, length).iter().map(|p| add(centre, *p)).collect()]
         }

@@ -52,21 +52,20 @@ pub(crate) fn read(doc: &Doc, driven: usize, notes: &mut Notes) -> Result<Drivel
             })
         }
         "SimpleDriveline" => {
-            count(2)?;
-            let front = root.num("Front Torque Fraction")?;
-            if !(0.0 < front && front < 1.0) {
-                return root.fail(format!("Front Torque Fraction is {front}; between 0 and 1 both axles are driven"));
-            }
-            let axle = |side: &str, fraction: f64| -> Result<DrivenAxle, ImportError> {
+            let front = fraction(&root)?;
+            let sides = [("Front", front), ("Rear", 1.0 - front)];
+            let sides: Vec<_> = sides.into_iter().filter(|(_, f)| *f > 0.0).collect();
+            count(sides.len())?;
+            let axle = |(side, fraction): &(&str, f64)| -> Result<DrivenAxle, ImportError> {
                 Ok(DrivenAxle {
-                    fraction,
+                    fraction: *fraction,
                     final_drive: root.num_or(&format!("{side} Conical Gear Ratio"), 1.0)?.abs(),
                     shaft_inertia: 0.0,
                     box_inertia: 0.0,
                     differential: slip(root.num(&format!("{side} Differential Max Bias"))?),
                 })
             };
-            let axles = vec![axle("Front", front)?, axle("Rear", 1.0 - front)?];
+            let axles = sides.iter().map(axle).collect::<Result<_, _>>()?;
             Ok(massless(axles, notes, doc))
         }
         "SimpleDrivelineXWD" => {
@@ -97,6 +96,26 @@ pub(crate) fn read(doc: &Doc, driven: usize, notes: &mut Notes) -> Result<Drivel
              SimpleDrivelineXWD, SimpleTrackDriveline or TrackDrivelineBDS"
         )),
     }
+}
+
+/// The part of the torque that a simple driveline sends to the front.
+fn fraction(root: &Node) -> Result<f64, ImportError> {
+    let node = root.need("Front Torque Fraction")?;
+    let x = node.number()?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { node.fail(format!("{x} is not between 0 and 1")) }
+}
+
+/// Takes the axle to which a simple driveline sends no torque off the driven ones.
+pub(crate) fn undriven(doc: &Doc, driven: &mut Vec<usize>, notes: &mut Notes) -> Result<(), ImportError> {
+    if template(doc)? != "SimpleDriveline" || driven.len() != 2 {
+        return Ok(());
+    }
+    let front = fraction(&doc.root())?;
+    if front == 0.0 || front == 1.0 {
+        let out = driven.remove(usize::from(front == 1.0));
+        notes.chosen(format!("{}: axle {out} gets no torque, so it is not driven", doc.file));
+    }
+    Ok(())
 }
 
 /// Simple drivelines split torques and have no masses.

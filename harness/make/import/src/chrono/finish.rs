@@ -16,6 +16,8 @@ use vb_vehicle::{Axle, Chassis, GRAVITY, Point, TyreSpec, VehicleSpec};
 
 /// The travel over which a linkage is solved, over the wheel's radius, if it closes so far.
 const TRAVEL: f64 = 0.35;
+/// Parts of the steering gear's travel that are tried, the first one for which the linkage closes.
+const GEAR: &[f64] = &[1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4];
 /// Distance beyond which the reference point of an axle moves to its wheels, m.
 const NEAR: f64 = 0.25;
 /// Rolling resistance with which the engine's power ends the top speed.
@@ -349,29 +351,48 @@ pub(crate) fn travels(axle: &mut Axle, radius: f64, load: f64, notes: &mut Notes
     if matches!(axle.suspension.linkage, Linkage::Rigid(_)) {
         return Ok(());
     }
-    let mut reach = TRAVEL * radius;
+    let gear = axle.steering.clone();
     let mut last = None;
-    for _ in 0..12 {
-        axle.suspension.range = [-reach, reach];
-        match AxleKinematics::solve(axle) {
-            Ok(_) => {
-                let stop = 0.85 * reach;
-                let stiffness = 5.0 * load / (0.1 * radius);
-                axle.suspension.stops =
-                    Some(Stops { jounce: stop, rebound: -stop, stiffness, table: Vec::new() });
-                notes.assumed(format!(
-                    "axle {}: travels of {:.0} mm up and down and stops 15 % before, since the source gives no ends of travel",
-                    axle.name,
-                    1000.0 * reach
-                ));
-                return Ok(());
+    for part in GEAR {
+        axle.steering.clone_from(&gear);
+        axle.steering.iter_mut().for_each(|g| super::steering::scale(g, *part));
+        let mut reach = TRAVEL * radius;
+        for _ in 0..12 {
+            axle.suspension.range = [-reach, reach];
+            match AxleKinematics::solve(axle) {
+                Ok(_) => {
+                    stops(axle, reach, radius, load, notes);
+                    if *part < 1.0 {
+                        notes.approximated(format!(
+                            "axle {}: its steering gear turns by {:.0} % of its greatest angle, since the linkage closes no further",
+                            axle.name,
+                            100.0 * part
+                        ));
+                    }
+                    return Ok(());
+                }
+                Err(e) => last = last.or(Some(e.to_string())),
             }
-            Err(e) => last = Some(e.to_string()),
+            reach *= 0.8;
         }
-        reach *= 0.8;
+        if gear.is_none() {
+            break;
+        }
     }
     let problem = format!("{}; correct the points in its suspension's file", last.unwrap_or_default());
     Err(ImportError::new(format!("axle {}", axle.name), "", problem))
+}
+
+/// Stops at the wheel near the ends of its travel.
+fn stops(axle: &mut Axle, reach: f64, radius: f64, load: f64, notes: &mut Notes) {
+    let stop = 0.85 * reach;
+    let stiffness = 5.0 * load / (0.1 * radius);
+    axle.suspension.stops = Some(Stops { jounce: stop, rebound: -stop, stiffness, table: Vec::new() });
+    notes.assumed(format!(
+        "axle {}: travels of {:.0} mm up and down and stops 15 % before, since the source gives no ends of travel",
+        axle.name,
+        1000.0 * reach
+    ));
 }
 
 /// Turns the steering gears such that a positive command steers to the left.
@@ -388,7 +409,7 @@ pub(crate) fn to_the_left(spec: &mut VehicleSpec, notes: &mut Notes) {
     let wanted = if count > 1 && k + 1 == count { -1.0 } else { 1.0 };
     if left * wanted < 0.0 {
         for gear in spec.axles.iter_mut().filter_map(|a| a.steering.as_mut()) {
-            super::steering::reverse(gear);
+            super::steering::scale(gear, -1.0);
         }
         notes.chosen("steering gears are turned the other way round, so that command +1 steers to the left");
     }

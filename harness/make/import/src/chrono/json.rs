@@ -181,6 +181,12 @@ impl<'a> Node<'a> {
         self.get(key).ok_or_else(|| self.error(format!("{key:?} is missing; the template needs it")))
     }
 
+    /// All fields with their names.
+    pub(crate) fn fields(&self) -> Vec<(&'a str, Node<'a>)> {
+        let keys = self.value.as_object().into_iter().flat_map(serde_json::Map::keys);
+        keys.filter_map(|k| Some((k.as_str(), self.get(k)?))).collect()
+    }
+
     pub(crate) fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
     }
@@ -237,10 +243,14 @@ impl<'a> Node<'a> {
         Ok(q)
     }
 
-    /// Pairs of numbers.
+    /// Pairs of numbers, at least one.
     pub(crate) fn table(&self) -> Result<Vec<[f64; 2]>, ImportError> {
         self.mark();
-        self.items()?.iter().map(Node::array).collect()
+        let items = self.items()?;
+        if items.is_empty() {
+            return self.fail("has no points");
+        }
+        items.iter().map(Node::array).collect()
     }
 
     /// A number of a field.

@@ -21,9 +21,6 @@ fn curve(node: &Node) -> Result<Vec<[f64; 2]>, ImportError> {
     let mut points: Vec<[f64; 2]> = node.table()?.iter().map(|p| [rad(p[0]), p[1]]).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points.dedup_by(|a, b| a[0] == b[0]);
-    if points.is_empty() {
-        return node.fail("has no points");
-    }
     if points[0][0] < 0.0 {
         let at_rest = interpolate(&points, 0.0).0;
         points.retain(|p| p[0] > 0.0);
@@ -32,42 +29,75 @@ fn curve(node: &Node) -> Result<Vec<[f64; 2]>, ImportError> {
     Ok(points)
 }
 
-/// Reads an engine.
+/// Reads an engine, or that of a powertrain of Chrono 8 and before.
 pub(crate) fn engine(doc: &Doc, notes: &mut Notes) -> Result<Engine, ImportError> {
     let root = doc.root();
     match template(doc)?.as_str() {
-        "EngineSimple" => Ok(Engine::Simple {
-            torque: root.num("Maximum Engine Torque")?,
-            power: root.num("Maximum Engine Power")?,
-            max_speed: root.num("Maximum Engine Speed")?,
-            inertia: 0.0,
-        }),
-        "EngineSimpleMap" => {
-            let most = rad(root.num("Maximal Engine Speed RPM")?);
-            let mut full = curve(&root.need("Map Full Throttle")?)?;
-            let closed = curve(&root.need("Map Zero Throttle")?)?;
-            if full == closed {
-                notes.approximated(format!(
-                    "{}: both maps are equal, so the throttle has no effect, as in Chrono; give another engine with --engine",
-                    doc.file
-                ));
-            }
-            end(&mut full, most, doc, notes);
-            Ok(Engine::Map { full_throttle: full, closed_throttle: closed, inertia: 0.0 })
+        "EngineSimple" | "SimpleCVTPowertrain" => {
+            let (torque, power) = (root.num("Maximum Engine Torque")?, root.num("Maximum Engine Power")?);
+            let max_speed = match root.get("Maximum Engine Speed") {
+                Some(n) => n.number()?,
+                None => {
+                    let speed = 10.0 * power / torque;
+                    notes.assumed(format!(
+                        "{}: a greatest engine speed of {speed:.0} rad/s, ten times that of the full torque at full power",
+                        doc.file
+                    ));
+                    speed
+                }
+            };
+            Ok(Engine::Simple { torque, power, max_speed, inertia: 0.0 })
         }
+        "SimplePowertrain" => {
+            let (torque, speed) = (root.num("Maximum Engine Torque")?, root.num("Maximum Engine Speed")?);
+            Ok(Engine::Map {
+                full_throttle: vec![[0.0, torque], [speed, 0.0]],
+                closed_throttle: vec![[0.0, 0.0], [speed, 0.0]],
+                inertia: 0.0,
+            })
+        }
+        "EngineSimpleMap" => map(&root, doc, notes),
+        "SimpleMapPowertrain" => map(&root.need("Engine")?, doc, notes),
         "EngineShafts" => {
-            let (torque, losses) = (curve(&root.need("Torque Map")?)?, curve(&root.need("Losses Map")?)?);
-            let mut speeds: Vec<f64> = torque.iter().chain(&losses).map(|p| p[0]).collect();
-            speeds.sort_by(f64::total_cmp);
-            speeds.dedup();
-            let full = speeds.iter().map(|s| [*s, interpolate(&torque, *s).0 + interpolate(&losses, *s).0]).collect();
-            notes.approximated(format!("{}: torque at full throttle is the torque map with the losses map", doc.file));
-            Ok(Engine::Map { full_throttle: full, closed_throttle: losses, inertia: root.num("Motorshaft Inertia")? })
+            let inertia = root.num("Motorshaft Inertia")?;
+            lossy(&root, inertia, doc, notes)
+        }
+        "ShaftsPowertrain" => {
+            let node = root.need("Engine")?;
+            let inertia = node.num("Crankshaft Inertia")?;
+            lossy(&node, inertia, doc, notes)
         }
         other => root.fail(format!(
             "no counterpart of the engine {other:?}; choose a file of EngineSimple, EngineSimpleMap or EngineShafts with --engine"
         )),
     }
+}
+
+/// An engine with a torque for either end of the throttle.
+fn map(node: &Node, doc: &Doc, notes: &mut Notes) -> Result<Engine, ImportError> {
+    let most = rad(node.num("Maximal Engine Speed RPM")?);
+    let mut full = curve(&node.need("Map Full Throttle")?)?;
+    let closed = curve(&node.need("Map Zero Throttle")?)?;
+    if full == closed {
+        notes.approximated(format!(
+            "{}: both maps are equal, so the throttle has no effect, as in Chrono; give another engine with --engine",
+            doc.file
+        ));
+    }
+    end(&mut full, most, doc, notes);
+    Ok(Engine::Map { full_throttle: full, closed_throttle: closed, inertia: 0.0 })
+}
+
+/// An engine with a torque at full throttle and losses.
+fn lossy(node: &Node, inertia: f64, doc: &Doc, notes: &mut Notes) -> Result<Engine, ImportError> {
+    let (torque, losses) = (curve(&node.need("Torque Map")?)?, curve(&node.need("Losses Map")?)?);
+    let mut speeds: Vec<f64> = torque.iter().chain(&losses).map(|p| p[0]).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let full = speeds.iter().map(|s| [*s, interpolate(&torque, *s).0 + interpolate(&losses, *s).0]).collect();
+    notes
+        .approximated(format!("{}: torque at full throttle is the torque map with the losses map", doc.file));
+    Ok(Engine::Map { full_throttle: full, closed_throttle: losses, inertia })
 }
 
 /// Ends a map that pushes at its last speed: nothing would limit that engine.
@@ -96,7 +126,7 @@ pub(crate) struct Transmission {
     pub(crate) shaft_inertia: f64,
 }
 
-/// Reads a transmission. `engine` gives shift speeds where the file has none.
+/// Reads a transmission, or that of a powertrain of Chrono 8 and before. `engine` gives shift speeds where the file has none.
 pub(crate) fn transmission(
     doc: &Doc,
     engine: &Engine,
@@ -104,7 +134,11 @@ pub(crate) fn transmission(
 ) -> Result<Transmission, ImportError> {
     let root = doc.root();
     let name = template(doc)?;
-    let gears = root.need("Gear Box")?;
+    let gears = match name.as_str() {
+        "SimplePowertrain" | "SimpleCVTPowertrain" => root.clone(),
+        "SimpleMapPowertrain" | "ShaftsPowertrain" => root.need("Transmission")?,
+        _ => root.need("Gear Box")?,
+    };
     let top = top_speed(engine);
     let mut out = Transmission {
         gearbox: Gearbox {
@@ -124,24 +158,45 @@ pub(crate) fn transmission(
     let g = &mut out.gearbox;
     notes.assumed("powertrain.gearbox.direction_change: 0.5 m/s and 0.5 s".to_owned());
     match name.as_str() {
-        "AutomaticTransmissionSimpleMap" => {
+        "SimplePowertrain" | "SimpleCVTPowertrain" => {
+            let (forward, reverse) = (gears.num("Forward Gear Ratio")?, gears.num("Reverse Gear Ratio")?);
+            (g.ratios, g.reverse) = (vec![forward.abs()], Some(-reverse.abs()).filter(|r| *r != 0.0));
+            (g.shift_down, g.shift_up) = (vec![0.0], vec![2.0 * top]);
+        }
+        "AutomaticTransmissionSimpleMap" | "SimpleMapPowertrain" => {
             (g.ratios, g.reverse) = ratios(&gears)?;
             let node = gears.need("Shift Points Map RPM")?;
-            let points = node.table()?;
-            if points.len() != g.ratios.len() {
-                return node.fail(format!("{} pairs for {} gears", points.len(), g.ratios.len()));
+            let mut points = node.table()?;
+            if points.len() < g.ratios.len() {
+                return node.fail(format!(
+                    "{} pairs for {} gears; give the speeds of shifting down and up for each gear",
+                    points.len(),
+                    g.ratios.len()
+                ));
+            }
+            if points.len() > g.ratios.len() {
+                notes.dropped(format!(
+                    "{}: the pairs after the first {}, one for each gear",
+                    node.at(),
+                    g.ratios.len()
+                ));
+                points.truncate(g.ratios.len());
             }
             g.shift_down = points.iter().map(|p| rad(p[0])).collect();
             g.shift_up = points.iter().map(|p| rad(p[1])).collect();
         }
-        "AutomaticTransmissionShafts" => {
+        "AutomaticTransmissionShafts" | "ShaftsPowertrain" => {
             (g.ratios, g.reverse) = ratios(&gears)?;
             let (up, down) = (rad(gears.num("Upshift RPM")?), rad(gears.num("Downshift RPM")?));
             g.shift_up = vec![up; g.ratios.len()];
             g.shift_down = vec![down; g.ratios.len()];
             g.latency = gears.num_or("Shift Latency", 1.0)?;
             out.converter = converter(&root, notes)?;
-            [out.engine_inertia, out.shaft_inertia] = shafts(&root)?;
+            [out.engine_inertia, out.shaft_inertia] = if name == "ShaftsPowertrain" {
+                [0.0, gears.num_or("Output Shaft Inertia", 0.0)?]
+            } else {
+                shafts(&root)?
+            };
         }
         "ManualTransmissionShafts" => {
             (g.ratios, g.reverse) = ratios(&gears)?;

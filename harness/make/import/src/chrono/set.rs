@@ -2,7 +2,7 @@
 
 use super::json::{Doc, Node};
 use crate::{ImportError, MOST, Notes};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -24,6 +24,8 @@ pub(crate) struct Set {
     /// The folder of this vehicle's files within it.
     pub(crate) own: PathBuf,
     docs: RefCell<BTreeMap<PathBuf, Rc<Doc>>>,
+    /// Path, type and template of the files in the own folder, by path.
+    parts: OnceCell<Vec<[String; 3]>>,
 }
 
 impl Set {
@@ -54,7 +56,7 @@ impl Set {
         let first = Path::new(reference).components().next();
         let own = first.map_or_else(|| root.clone(), |c| root.join(c));
         let own = if own.is_dir() { own } else { root.clone() };
-        Ok(Self { root, own, docs: RefCell::default() })
+        Ok(Self { root, own, docs: RefCell::default(), parts: OnceCell::new() })
     }
 
     /// A file to which a value refers, of one of these types.
@@ -91,6 +93,12 @@ impl Set {
         let text = vb_files::read_text(path, MOST).map_err(|e| ImportError::reading(path, &e))?;
         let doc = Doc::parse(self.short(path), &text)?;
         typed(&doc, types)?;
+        Ok(self.add(path, doc))
+    }
+
+    /// Makes a document a part of the set.
+    pub(crate) fn add(&self, path: &Path, mut doc: Doc) -> Rc<Doc> {
+        doc.file = self.short(path);
         for key in ["Name", "Template"] {
             if let Some(n) = doc.root().get(key) {
                 n.used();
@@ -98,7 +106,7 @@ impl Set {
         }
         let doc = Rc::new(doc);
         self.docs.borrow_mut().insert(path.to_owned(), doc.clone());
-        Ok(doc)
+        doc
     }
 
     /// The path relative to the root, for messages.
@@ -109,6 +117,12 @@ impl Set {
 
     /// Files of a type within the set's own folder, with their templates, by path. Files that cannot be read are none.
     pub(crate) fn find(&self, wanted: &str) -> Vec<(PathBuf, String)> {
+        let parts = self.parts.get_or_init(|| self.scan());
+        let of_type = parts.iter().filter(|[_, kind, _]| kind == wanted);
+        of_type.map(|[path, _, template]| (PathBuf::from(path), template.clone())).collect()
+    }
+
+    fn scan(&self) -> Vec<[String; 3]> {
         let mut out = Vec::new();
         let mut folders = vec![(self.own.clone(), 0)];
         let mut seen = 0;
@@ -125,8 +139,8 @@ impl Set {
                 } else if file_type.is_file() && path.extension().is_some_and(|e| e == "json") {
                     let Ok(text) = vb_files::read_text(&path, MOST) else { continue };
                     let Ok(doc) = Doc::parse(String::new(), &text) else { continue };
-                    if kind(&doc).is_ok_and(|t| t == wanted) {
-                        out.push((path, template(&doc).unwrap_or_default()));
+                    if let (Ok(kind), Some(path)) = (kind(&doc), path.to_str()) {
+                        out.push([path.to_owned(), kind, template(&doc).unwrap_or_default()]);
                     }
                 }
             }

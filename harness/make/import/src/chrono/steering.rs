@@ -58,7 +58,7 @@ pub(crate) fn read(root: &Node, entry: &Node, notes: &mut Notes) -> Result<Gear,
         "RackPinion" => {
             weigh("Steering Link", None)?;
             let pinion = root.need("Pinion")?;
-            let travel = pinion.num("Radius")? * radians(pinion.num("Maximum Angle (deg)")?);
+            let travel = pinion.num("Radius")? * most(&pinion)?;
             SteeringGear::RackAndPinion { travel }
         }
         "PitmanArm" => {
@@ -88,7 +88,7 @@ pub(crate) fn read(root: &Node, entry: &Node, notes: &mut Notes) -> Result<Gear,
                 idler_pivot: at(idler.pt("Location Chassis")?),
                 idler_end: at(idler.pt("Location Link")?),
                 axis: turn(&frame, arm.pt("Direction")?),
-                angle: radians(arm.num("Maximum Angle (deg)")?),
+                angle: most(&arm)?,
             }
         }
         "RotaryArm" => {
@@ -100,7 +100,7 @@ pub(crate) fn read(root: &Node, entry: &Node, notes: &mut Notes) -> Result<Gear,
             SteeringGear::RotaryArm {
                 pivot: at(pivot),
                 axis: turn(&frame, arm.pt("Axis of Rotation")?),
-                angle: radians(arm.num("Maximum Angle (deg)")?),
+                angle: most(&arm)?,
             }
         }
         other => {
@@ -112,10 +112,17 @@ pub(crate) fn read(root: &Node, entry: &Node, notes: &mut Notes) -> Result<Gear,
     Ok(Gear { gear, masses })
 }
 
-/// Turns a gear the other way round.
-pub(crate) fn reverse(gear: &mut SteeringGear) {
+/// The greatest angle, in degrees under its name of today and those of Chrono 6 and before.
+fn most(node: &Node) -> Result<f64, ImportError> {
+    let old = node.any(&["Maximum Angle", "Maximum Angle Degrees"]);
+    old.map_or_else(|| node.num("Maximum Angle (deg)"), |n| n.number()).map(radians)
+}
+
+/// Changes the travel of a gear by a factor; -1 turns it the other way round.
+pub(crate) fn scale(gear: &mut SteeringGear, by: f64) {
     match gear {
-        SteeringGear::RackAndPinion { travel } => *travel = -*travel,
-        SteeringGear::PitmanArm { angle, .. } | SteeringGear::RotaryArm { angle, .. } => *angle = -*angle,
+        SteeringGear::RackAndPinion { travel: x }
+        | SteeringGear::PitmanArm { angle: x, .. }
+        | SteeringGear::RotaryArm { angle: x, .. } => *x *= by,
     }
 }

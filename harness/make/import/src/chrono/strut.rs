@@ -73,7 +73,7 @@ fn element(node: &Node, part: Part, notes: &mut Notes) -> Result<Strut, ImportEr
 }
 
 /// Chrono's tables are over the extension and pull together where they are positive; ours over the compression and push apart.
-fn turned(mut table: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(super) fn turned(mut table: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     table.reverse();
     let negated = |x: f64| if x == 0.0 { 0.0 } else { -x };
     let mut out: Vec<[f64; 2]> = table.iter().map(|p| p.map(negated)).collect();
@@ -131,7 +131,7 @@ fn damper(node: &Node, notes: &mut Notes) -> Result<Option<Damper>, ImportError>
 }
 
 /// Rates and forces that resist: the origin is a point, and no point drives the motion.
-fn rates(mut points: Vec<[f64; 2]>, at: &str, notes: &mut Notes) -> Vec<[f64; 2]> {
+pub(super) fn rates(mut points: Vec<[f64; 2]>, at: &str, notes: &mut Notes) -> Vec<[f64; 2]> {
     let mut changed = false;
     points.retain(|p| p[0] != 0.0 || p[1] == 0.0);
     if !points.contains(&[0.0, 0.0]) {

@@ -1,5 +1,6 @@
 //! Tyre property files of Adams/Tire (`.tir`).
 
+use super::json::Node;
 use crate::ImportError;
 use std::collections::BTreeMap;
 use std::f64::consts::E;
@@ -63,6 +64,26 @@ impl Tir {
             }
         }
         Ok(tir)
+    }
+
+    /// The coefficients that stand in a tyre's own file, under the names of Adams/Tire.
+    pub(crate) fn inline(root: &Node) -> Result<Self, ImportError> {
+        let mut numbers = BTreeMap::new();
+        let parts = ["Dimension", "Vertical", "Scaling Factors"];
+        let coefficients = ["Longitudinal Coefficients", "Lateral Coefficients", "Rolling Coefficients"];
+        for part in parts.into_iter().chain(coefficients) {
+            for (key, value) in root.get(part).into_iter().flat_map(|n| n.fields()) {
+                let key = key.to_ascii_uppercase().replace(' ', "_");
+                let key = if key == "NOMINAL_WHEEL_LOAD" { "FNOMIN".to_owned() } else { key };
+                if let Ok(x) = value.number() {
+                    numbers.insert(key, x);
+                }
+            }
+        }
+        if numbers.is_empty() {
+            return root.fail("neither TIR Specification File nor coefficients; give one of them");
+        }
+        Ok(Self { file: root.doc().file.clone(), numbers, texts: BTreeMap::new() })
     }
 
     fn need(&self, key: &str) -> Result<f64, ImportError> {

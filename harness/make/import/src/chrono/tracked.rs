@@ -3,6 +3,7 @@
 use super::finish::{self, Draft};
 use super::json::{Doc, Node};
 use super::set::Set;
+use super::strut::{rates, turned};
 use super::{chassis, choice, driveline};
 use crate::place::{Mass, add, mirrored};
 use crate::{ImportError, Notes, Options};
@@ -19,6 +20,9 @@ use vb_vehicle::{Axle, GRAVITY, MAX_WHEELS, Point, TyreSpec, VehicleSpec};
 const TENSION: f64 = 0.1;
 /// Shear of the pads up to full friction, m, as of the shipped M113.
 const SHEAR: f64 = 0.075;
+
+/// Types of a road wheel's suspension; the second is that of Chrono 6 and before.
+const SUSPENSION: &[&str] = &["TrackSuspension", "RoadWheelAssembly"];
 
 /// A belt: thickness, width and friction of its shoes, and its mass.
 struct Belt {
@@ -235,17 +239,17 @@ fn ranges(spec: &mut VehicleSpec, load: f64, notes: &mut Notes) -> Result<(), Im
 fn same(set: &Set, right: &Node, wheels: &mut [Wheel], notes: &mut Notes) -> Result<(), ImportError> {
     for (key, name) in [("Sprocket", "sprocket"), ("Idler", "idler")] {
         if let (Some(n), Some(w)) = (right.get(key), wheels.iter_mut().find(|w| w.name == name)) {
-            set.follow(&n.need("Input File")?, &[key])?;
-            average(w, n.pt("Location")?, notes);
+            let doc = set.follow(&n.need("Input File")?, &[key])?;
+            average(w, add(n.pt("Location")?, hub(&doc, "Carrier")?), notes);
         }
     }
     if let Some(list) = right.get("Suspension Subsystems") {
         for (i, n) in list.items()?.iter().enumerate() {
-            set.follow(&n.need("Input File")?, &["TrackSuspension"])?;
+            let doc = set.follow(&n.need("Input File")?, SUSPENSION)?;
             n.get("Has Shock").inspect(Node::used);
             n.get("Lock Arm").inspect(Node::used);
             if let Some(w) = wheels.iter_mut().find(|w| w.name == format!("road{}", i + 1)) {
-                average(w, n.pt("Location")?, notes);
+                average(w, add(n.pt("Location")?, hub(&doc, "Suspension Arm")?), notes);
             }
         }
     }
@@ -254,6 +258,12 @@ fn same(set: &Set, right: &Node, wheels: &mut [Wheel], notes: &mut Notes) -> Res
         right.doc().file
     ));
     Ok(())
+}
+
+/// The wheel's place on the part that carries it.
+fn hub(doc: &Doc, part: &str) -> Result<Point, ImportError> {
+    let place = doc.root().get(part).and_then(|p| p.get("Location Wheel"));
+    place.map_or(Ok([0.0; 3]), |p| p.point())
 }
 
 fn average(w: &mut Wheel, right: Point, notes: &mut Notes) {
@@ -299,8 +309,12 @@ fn assembly(
     });
     let n = root.need("Idler")?;
     let idler = set.follow(&n.need("Input File")?, &["Idler"])?;
-    let (carrier, wheel) = (idler.root().need("Carrier")?, idler.root().need("Idler Wheel Input File")?);
-    let (radius, mass, spin) = wheel_of(set, &wheel)?;
+    let carrier = idler.root().need("Carrier")?;
+    let (radius, mass, spin) = match idler.root().get("Wheel") {
+        // The wheel stood in the idler's file in Chrono 6 and before.
+        Some(w) => disc(&w)?,
+        None => wheel_of(set, &idler.root().need("Idler Wheel Input File")?)?,
+    };
     let tensioner = match idler.root().get("Tensioner") {
         Some(t) => [t.num_or("Spring Coefficient", 1e6)?, t.num_or("Damping Coefficient", 1.4e4)?],
         None => [1e6, 1.4e4],
@@ -311,7 +325,7 @@ fn assembly(
     ));
     wheels.push(Wheel {
         name: "idler".to_owned(),
-        at: add(n.pt("Location")?, carrier.get("Location Wheel").map_or(Ok([0.0; 3]), |p| p.point())?),
+        at: add(n.pt("Location")?, hub(&idler, "Carrier")?),
         radius: radius + belt.thickness,
         mass: mass + carrier.num_or("Mass", 0.0)?,
         spin,
@@ -324,7 +338,7 @@ fn assembly(
         return list.fail(format!("{} road wheels; at least two are expected", entries.len()));
     }
     for (i, n) in entries.iter().enumerate() {
-        let doc = set.follow(&n.need("Input File")?, &["TrackSuspension"])?;
+        let doc = set.follow(&n.need("Input File")?, SUSPENSION)?;
         let shock = n.get("Has Shock").map_or(Ok(true), |f| f.flag())?;
         wheels.push(road(set, &doc, n.pt("Location")?, i, shock, offset, &belt, sprung, notes)?);
     }
@@ -344,7 +358,11 @@ fn assembly(
 /// Radius, mass and spin inertia of a wheel's file.
 fn wheel_of(set: &Set, from: &Node) -> Result<(f64, f64, f64), ImportError> {
     let doc = set.follow(from, &["TrackWheel", "IdlerWheel", "RoadWheel", "Roller"])?;
-    let w = doc.root().need("Wheel")?;
+    let root = doc.root();
+    disc(&root.get("Roller").map_or_else(|| root.need("Wheel"), Ok)?)
+}
+
+fn disc(w: &Node) -> Result<(f64, f64, f64), ImportError> {
     Ok((w.num("Radius")?, w.num("Mass")?, w.pt("Inertia")?[1]))
 }
 
@@ -363,7 +381,7 @@ fn road(
     let root = doc.root();
     let (radius, mut mass, spin) = wheel_of(set, &root.need("Road Wheel Input File")?)?;
     let arm = root.need("Suspension Arm")?;
-    let wheel = arm.get("Location Wheel").map_or(Ok([0.0; 3]), |n| n.point())?;
+    let wheel = hub(doc, "Suspension Arm")?;
     let place = |p: Point| [p[0] - wheel[0], p[1] + offset, p[2] - wheel[2]];
     let pivot = place(arm.pt("Location Chassis")?);
     let half = 0.5 * arm.num("Mass")?;
@@ -372,16 +390,31 @@ fn road(
         *sprung = sprung.plus(&Mass::point(half, add(at, p)));
     }
     let spring = root.need("Torsional Spring")?;
-    let stiffness = match spring.get("Spring Constant").or_else(|| spring.get("Spring Coefficient")) {
-        Some(n) => n.number()?,
+    let free = spring.num_or("Free Angle", 0.0)?;
+    let mut preload = spring.num_or("Preload", 0.0)?;
+    let stiffness = match spring.any(&["Spring Constant", "Spring Coefficient"]) {
+        Some(n) => {
+            let stiffness = n.number()?;
+            preload += stiffness * free;
+            stiffness
+        }
         None => {
-            return spring
-                .fail("\"Spring Constant\" is missing; torsion bars with a curve have no counterpart");
+            let n = spring.need("Spring Curve Data")?;
+            let (torque, slope) = vb_vehicle::table::interpolate(&n.table()?, -free);
+            notes.approximated(format!(
+                "{}: the torsion bar is linear with the slope at the design position",
+                n.at()
+            ));
+            preload -= torque;
+            slope
         }
     };
     let mut damping = spring.num_or("Damping Coefficient", 0.0)?;
+    if let Some(n) = spring.get("Damping Curve Data") {
+        damping += steepest(&n, notes)?;
+    }
     // Torque that pushes the wheel down at the design position.
-    let preload = (spring.num_or("Preload", 0.0)? + stiffness * spring.num_or("Free Angle", 0.0)?).abs();
+    let preload = preload.abs();
     let mut struts = Vec::new();
     if let Some(d) = root.get("Damper") {
         if !shock {
@@ -391,10 +424,8 @@ fn road(
             let damper = match d.get("Damping Coefficient") {
                 Some(c) => Damper::Linear { coefficient: c.number()? },
                 None => {
-                    let n = d.need("Curve Data")?;
-                    let mut points: Vec<[f64; 2]> = n.table()?.iter().map(|p| [-p[0], -p[1]]).collect();
-                    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-                    Damper::Table { points }
+                    let n = curve(&d)?;
+                    Damper::Table { points: rates(turned(n.table()?), &n.at(), notes) }
                 }
             };
             struts.push(Strut {
@@ -408,20 +439,7 @@ fn road(
         } else {
             damping += match d.get("Damping Coefficient") {
                 Some(c) => c.number()?,
-                None => {
-                    let n = d.need("Curve Data")?;
-                    let fastest = n
-                        .table()?
-                        .into_iter()
-                        .filter(|p| p[0] > 0.0)
-                        .map(|p| p[1] / p[0])
-                        .fold(0.0, f64::max);
-                    notes.approximated(format!(
-                        "{}: the rotary damper is linear with the steepest slope of its curve",
-                        n.at()
-                    ));
-                    fastest
-                }
+                None => steepest(&curve(&d)?, notes)?,
             };
         }
     }
@@ -450,6 +468,21 @@ fn road(
         }),
         brake: 0.0,
     })
+}
+
+/// The curve of a damper, under its name of today and that of Chrono 6.
+fn curve<'a>(damper: &Node<'a>) -> Result<Node<'a>, ImportError> {
+    damper.get("Curve Data").map_or_else(|| damper.need("Damping Curve Data"), Ok)
+}
+
+/// The steepest slope of a rotary damper's curve, N m s/rad.
+fn steepest(n: &Node, notes: &mut Notes) -> Result<f64, ImportError> {
+    notes.approximated(format!(
+        "{}: the rotary damper is linear with the steepest slope of its curve",
+        n.at()
+    ));
+    let forward = n.table()?.into_iter().filter(|p| p[0] > 0.0);
+    Ok(forward.map(|p| p[1] / p[0]).fold(0.0, f64::max))
 }
 
 /// The belt of this number of shoes.

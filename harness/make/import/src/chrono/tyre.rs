@@ -14,8 +14,16 @@ pub(crate) struct Tyre {
 }
 
 /// The templates that have a counterpart, the preferred one first.
-pub(crate) const TEMPLATES: &[&str] =
-    &["TMeasyTire", "FialaTire", "Pac02Tire", "TMsimpleTire", "Pac89Tire", "PacejkaTire", "RigidTire"];
+pub(crate) const TEMPLATES: &[&str] = &[
+    "TMeasyTire",
+    "FialaTire",
+    "TMsimpleTire",
+    "MFTire",
+    "Pac02Tire",
+    "Pac89Tire",
+    "PacejkaTire",
+    "RigidTire",
+];
 
 /// Damping ratio of carcasses, as of the shipped vehicles.
 const CARCASS: f64 = 0.25;
@@ -27,13 +35,13 @@ pub(crate) fn read(set: &Set, doc: &Doc, load: f64, notes: &mut Notes) -> Result
         "TMeasyTire" => tmeasy(&root, load, notes),
         "TMsimpleTire" => {
             notes.approximated(format!(
-                "{}: TMsimple is represented by TMeasy with the same design data",
+                "{}: TMsimple is represented by TMeasy with the same slopes, maxima and sliding forces",
                 doc.file
             ));
             tmeasy(&root, load, notes)
         }
         "FialaTire" => fiala(&root, load, notes),
-        "Pac02Tire" | "PacejkaTire" => magic(set, &root, load, notes),
+        "MFTire" | "Pac02Tire" | "PacejkaTire" => magic(set, &root, load, notes),
         "Pac89Tire" => pac89(&root, load, notes),
         "RigidTire" => rigid(&root, load, notes),
         other => root.fail(format!(
@@ -50,6 +58,48 @@ pub(crate) fn mass(doc: &Doc) -> Result<f64, ImportError> {
         Some(d) => d.num("Mass [kg]"),
         None => root.num_or("Mass", 0.0),
     }
+}
+
+/// Two equal tyres of a twin wheel as one: twice the forces, and as wide as both.
+pub(crate) fn twin(t: Tyre, separation: f64) -> Tyre {
+    let both = |x: &mut f64| *x *= 2.0;
+    let mut spec = t.spec;
+    match &mut spec {
+        TyreSpec::Tmeasy(t) => {
+            let single =
+                [&mut t.pn, &mut t.pn_max, &mut t.vertical_stiffness, &mut t.vertical_stiffness_growth];
+            single.into_iter().chain([&mut t.vertical_damping]).for_each(both);
+            let pairs = [&mut t.dfx0, &mut t.fxm, &mut t.fxs, &mut t.dfy0, &mut t.fym, &mut t.fys];
+            let pairs = pairs.into_iter().chain([&mut t.carcass_stiffness, &mut t.carcass_damping]);
+            pairs.flatten().for_each(both);
+            t.width += separation;
+        }
+        TyreSpec::Fiala(t) => {
+            t.vertical_map.iter_mut().for_each(|p| p[1] *= 2.0);
+            [&mut t.vertical_damping, &mut t.c_slip, &mut t.c_alpha].into_iter().for_each(both);
+            [&mut t.carcass_stiffness, &mut t.carcass_damping].into_iter().flatten().for_each(both);
+            t.width += separation;
+        }
+        TyreSpec::Brush(t) => {
+            [&mut t.vertical_stiffness, &mut t.vertical_damping].into_iter().for_each(both);
+            t.width += separation;
+        }
+        TyreSpec::Rigid(t) => {
+            let all = [&mut t.vertical_stiffness, &mut t.vertical_damping];
+            all.into_iter().chain([&mut t.tangential_stiffness, &mut t.tangential_damping]).for_each(both);
+            t.width += separation;
+        }
+    }
+    Tyre { spec, spin: 2.0 * t.spin }
+}
+
+/// The inertia about the wheel's axis, which files of Chrono 3 and before give only for the wheel.
+fn spin(root: &Node, notes: &mut Notes) -> Result<f64, ImportError> {
+    if let Some(n) = root.get("Inertia") {
+        return Ok(n.point()?[1]);
+    }
+    notes.assumed(format!("{}: mass and inertia of the tyre are in those of the wheel", root.doc().file));
+    Ok(0.0)
 }
 
 fn square(k: f64, load: f64) -> f64 {
@@ -93,7 +143,8 @@ fn tmeasy(root: &Node, load: f64, notes: &mut Notes) -> Result<Tyre, ImportError
     let (rim_radius, mass) = (design.num("Rim Radius [m]")?, design.num("Mass [kg]")?);
     let spin = design.pt("Inertia [kg.m2]")?[1];
     let mut t = match root.get("Parameters") {
-        Some(p) => parameters(&p, radius, width, rim_radius)?,
+        Some(p) if p.has("Tire Load") => parameters(&p, radius, width, rim_radius)?,
+        Some(p) => simple(&p, radius, width, rim_radius, notes)?,
         None => guessed(root, radius, width, rim_radius, mass, notes)?,
     };
     t.mu_0 = friction(root)?;
@@ -164,12 +215,6 @@ fn parameters(p: &Node, radius: f64, width: f64, rim_radius: f64) -> Result<Tmea
     let damping = p.need("Tire Damping")?;
     t.carcass_damping = [damping.num("Longitudinal [Ns/m]")?, damping.num("Lateral [Ns/m]")?];
     t.vertical_damping = damping.num("Vertical [Ns/m]")?;
-    let pair = |node: &Node, key: &str| -> Result<[f64; 2], ImportError> {
-        let n = node.need(key)?;
-        let values = n.numbers()?;
-        <[f64; 2]>::try_from(values)
-            .or_else(|_| n.fail("two numbers are expected, at the nominal load and at twice that"))
-    };
     let (x, y, a) = (p.need("Longitudinal")?, p.need("Lateral")?, p.need("Aligning")?);
     t.dfx0 = pair(&x, "Initial Slopes dFx/dsx [N]")?;
     t.fxm = pair(&x, "Maximum Fx Load [N]")?;
@@ -187,10 +232,85 @@ fn parameters(p: &Node, radius: f64, width: f64, rim_radius: f64) -> Result<Tmea
     Ok(t)
 }
 
+/// Values at the nominal load and at twice that.
+fn pair(node: &Node, key: &str) -> Result<[f64; 2], ImportError> {
+    let n = node.need(key)?;
+    <[f64; 2]>::try_from(n.numbers()?)
+        .or_else(|_| n.fail("two numbers are expected, at the nominal load and at twice that"))
+}
+
+/// The parameters of TMsimple (Hirschberg): the force over the slip s is K sin(B (1 - exp(-s / A))) with the maximum K,
+/// B = π - asin(sliding force / K) and A = K B / initial slope.
+fn simple(
+    p: &Node,
+    radius: f64,
+    width: f64,
+    rim_radius: f64,
+    notes: &mut Notes,
+) -> Result<TmeasyTyre, ImportError> {
+    let vertical = p.need("Vertical")?;
+    let mut t = blank(radius, width, rim_radius, vertical.num("Nominal Vertical Force [N]")?);
+    t.vertical_stiffness = match vertical.get("Tire Spring Curve Data") {
+        Some(n) => {
+            vertical.get("Vertical Tire Stiffness [N/m]").inspect(Node::used);
+            secant(&n.table()?, t.pn).ok_or_else(|| n.error("no rising table of deflection and force"))?
+        }
+        None => vertical.num("Vertical Tire Stiffness [N/m]")?,
+    };
+    t.vertical_damping = vertical.num("Vertical Tire Damping [Ns/m]")?;
+    let curve = |axis: &str, letter: &str| -> Result<[[f64; 2]; 5], ImportError> {
+        let n = p.need(axis)?;
+        let slope = pair(&n, &format!("Initial Slopes dF{letter}/ds{letter} [N]"))?;
+        let most = pair(&n, &format!("Maximum F{letter} Load [N]"))?;
+        let sliding = pair(&n, &format!("Sliding F{letter} Load [N]"))?;
+        let (mut top, mut end) = ([0.0; 2], [0.0; 2]);
+        for k in 0..2 {
+            if !(slope[k] > 0.0 && most[k] > 0.0 && sliding[k] > 0.0 && sliding[k] <= most[k]) {
+                return n.fail(format!(
+                    "slope {}, maximum {} and sliding force {}; all must be positive, the maximum the greatest force",
+                    slope[k], most[k], sliding[k]
+                ));
+            }
+            let ratio = sliding[k] / most[k];
+            let b = std::f64::consts::PI - vb_math::asin(ratio);
+            let a = most[k] * b / slope[k];
+            top[k] = -a * vb_math::ln(1.0 - (0.5 * std::f64::consts::PI / b).min(0.99));
+            // 95 % of the way to sliding.
+            end[k] = f64::max(3.0 * a, 1.5 * top[k]);
+        }
+        Ok([slope, most, top, sliding, end])
+    };
+    [t.dfx0, t.fxm, t.sxm, t.fxs, t.sxs] = curve("Longitudinal", "x")?;
+    [t.dfy0, t.fym, t.sym, t.fys, t.sys] = curve("Lateral", "y")?;
+    trail(&mut t);
+    notes.assumed(format!("{}: the pneumatic trail is that of a truck tyre", p.at()));
+    Ok(t)
+}
+
+/// The pneumatic trail of tyres of which only forces are known.
+fn trail(t: &mut TmeasyTyre) {
+    t.nl0 = [0.178, 0.19];
+    t.sq0 = t.sym.map(|s| 1.1 * s);
+    t.sqe = t.sys;
+}
+
 /// Load of a load index, kg: the geometric series of which the table of ETRTO has the rounded terms (within 1 %).
 fn index_load(index: f64) -> f64 {
     45.0 * vb_math::pow(10.0, index / 80.0)
 }
+
+/// Slope, maximum, its slip, sliding force and its slip, along and across, and the slip at which the trail changes its sign.
+type Curves = ([[f64; 2]; 5], [[f64; 2]; 5], [f64; 2]);
+const TRUCK: Curves = (
+    [[17.7764, 14.5301], [0.89965, 0.77751], [0.10811, 0.12389], [0.46183, 0.42349], [0.66667, 0.66667]],
+    [[7.4013, 6.8505], [0.75876, 0.72628], [0.33167, 0.33216], [0.68276, 0.65319], [1.0296, 1.0296]],
+    [0.36484, 0.36538],
+);
+const CAR: Curves = (
+    [[18.6758, 20.1757], [1.1205, 1.072], [0.17, 0.15], [0.8766, 0.8245], [0.9, 0.95]],
+    [[14.9858, 10.0505], [1.0084, 0.90003], [0.18197, 0.24472], [0.83941, 0.76782], [0.82534, 0.91309]],
+    [0.19107, 0.25695],
+);
 
 /// Chrono's guess from load and size (ChTMeasyTire::GuessTruck80Par and GuessPassCar70Par of version 9.0.1).
 fn guessed(
@@ -225,35 +345,15 @@ fn guessed(
     let mut t = blank(radius, width, rim_radius, pn);
     t.vertical_stiffness = 2.0 * pn / (0.16 * (radius - rim_radius));
     t.vertical_damping = (t.vertical_stiffness * mass).sqrt();
-    let at = |one: f64, two: f64| [one * pn, 2.0 * two * pn];
-    if truck {
-        t.dfx0 = at(17.7764, 14.5301);
-        t.fxm = at(0.89965, 0.77751);
-        t.sxm = [0.10811, 0.12389];
-        t.fxs = at(0.46183, 0.42349);
-        t.sxs = [0.66667, 0.66667];
-        t.dfy0 = at(7.4013, 6.8505);
-        t.fym = at(0.75876, 0.72628);
-        t.sym = [0.33167, 0.33216];
-        t.fys = at(0.68276, 0.65319);
-        t.sys = [1.0296, 1.0296];
-        t.sq0 = [0.36484, 0.36538];
-        t.sqe = [1.0296, 1.0296];
-    } else {
-        t.dfx0 = at(18.6758, 20.1757);
-        t.fxm = at(1.1205, 1.072);
-        t.sxm = [0.17, 0.15];
-        t.fxs = at(0.8766, 0.8245);
-        t.sxs = [0.9, 0.95];
-        t.dfy0 = at(14.9858, 10.0505);
-        t.fym = at(1.0084, 0.90003);
-        t.sym = [0.18197, 0.24472];
-        t.fys = at(0.83941, 0.76782);
-        t.sys = [0.82534, 0.91309];
-        t.sq0 = [0.19107, 0.25695];
-        t.sqe = [0.82534, 0.91309];
-    }
-    t.nl0 = [0.178, 0.19];
+    // Forces at the nominal load and at twice that, each over its load: slope, maximum, sliding force; and the slips of both.
+    let (x, y, zero) = if truck { TRUCK } else { CAR };
+    let at = |k: [f64; 2]| [k[0] * pn, 2.0 * k[1] * pn];
+    let forces =
+        |[slope, most, top, sliding, end]: [[f64; 2]; 5]| [at(slope), at(most), top, at(sliding), end];
+    [t.dfx0, t.fxm, t.sxm, t.fxs, t.sxs] = forces(x);
+    [t.dfy0, t.fym, t.sym, t.fys, t.sys] = forces(y);
+    trail(&mut t);
+    t.sq0 = zero;
     let kind = if truck { "truck" } else { "passenger car" };
     notes.approximated(format!(
         "{}: parameters follow from the load of {full:.0} N and the size, as in Chrono's generator for {kind} tyres",
@@ -296,7 +396,7 @@ fn fiala(root: &Node, load: f64, notes: &mut Notes) -> Result<Tyre, ImportError>
         carcass_stiffness: stiff,
         carcass_damping: damp,
     };
-    Ok(Tyre { spec: TyreSpec::Fiala(spec), spin: root.pt("Inertia")?[1] })
+    Ok(Tyre { spec: TyreSpec::Fiala(spec), spin: spin(root, notes)? })
 }
 
 fn brush(
@@ -322,10 +422,13 @@ fn brush(
 
 /// A Magic Formula tyre as the brush with its slopes and its friction at the wheel's load.
 fn magic(set: &Set, root: &Node, load: f64, notes: &mut Notes) -> Result<Tyre, ImportError> {
-    let file = root.any(&["TIR Specification File", "Pacejka Parameter File"]);
-    let Some(file) = file else { return root.fail("TIR Specification File is missing") };
-    let path = set.place(&file)?;
-    let tir = tir::Tir::read(&path, &set.short(&path))?;
+    let tir = match root.any(&["TIR Specification File", "Pacejka Parameter File"]) {
+        Some(file) => {
+            let path = set.place(&file)?;
+            tir::Tir::read(&path, &set.short(&path))?
+        }
+        None => tir::Tir::inline(root)?,
+    };
     let m = tir.brush(load)?;
     root.get("Coefficient of Friction").map(|n| n.number()).transpose()?;
     notes.approximated(format!(
@@ -376,7 +479,7 @@ fn pac89(root: &Node, load: f64, notes: &mut Notes) -> Result<Tyre, ImportError>
         d.num_or("Rolling Resistance", 0.015)?,
     );
     friction(root)?;
-    Ok(Tyre { spec: TyreSpec::Brush(spec), spin: root.pt("Inertia")?[1] })
+    Ok(Tyre { spec: TyreSpec::Brush(spec), spin: spin(root, notes)? })
 }
 
 /// The load over the deflection under it.
@@ -389,13 +492,14 @@ fn secant(table: &[[f64; 2]], load: f64) -> Option<f64> {
 
 fn rigid(root: &Node, load: f64, notes: &mut Notes) -> Result<Tyre, ImportError> {
     let (radius, width) = (root.num("Radius")?, root.num("Width")?);
-    let mu = root.need("Contact Material")?.num("Coefficient of Friction")?;
+    let key = "Coefficient of Friction";
+    let mu = root.get("Contact Material").map_or_else(|| root.num(key), |m| m.num(key))?;
     notes.assumed(format!(
         "{}: stiffnesses of the rigid tyre are those of the shipped vehicles' at its load: half a percent of the radius at rest, \
          full friction at a slip of some percent",
         root.doc().file
     ));
-    Ok(Tyre { spec: TyreSpec::Rigid(hard(radius, width, mu, load)), spin: root.pt("Inertia")?[1] })
+    Ok(Tyre { spec: TyreSpec::Rigid(hard(radius, width, mu, load)), spin: spin(root, notes)? })
 }
 
 /// A hard wheel under a load.

@@ -40,8 +40,12 @@ pub(super) fn convert(
             MAX_WHEELS / 2
         ));
     }
-    let line = root.need("Driveline")?;
-    let driven: Vec<usize> = indexes(&line.need("Suspension Indexes")?, items.len())?;
+    let Some(line) = root.get("Driveline") else {
+        return root.fail("\"Driveline\" is missing; a vehicle without drive has no counterpart");
+    };
+    let mut driven: Vec<usize> = indexes(&line.need("Suspension Indexes")?, items.len())?;
+    let line = set.follow(&line.need("Input File")?, &["Driveline"])?;
+    driveline::undriven(&line, &mut driven, notes)?;
     let mut axles = Vec::new();
     for (i, entry) in items.iter().enumerate() {
         axles.push(axle(set, entry, &gears, i, &items, &mut sprung, notes)?);
@@ -52,20 +56,31 @@ pub(super) fn convert(
     declared(&root, notes)?;
     // Tyres: their masses count in the loads from which some of their values follow.
     let files = choice::tyres(set, options, axles.len(), notes)?;
-    for (a, f) in axles.iter_mut().zip(&files) {
-        a.unsprung_mass += tyre::mass(f)?;
+    let mut twins = Vec::new();
+    for ((a, f), entry) in axles.iter_mut().zip(&files).zip(&items) {
+        let separation = entry.get("Wheel Separation").map(|n| n.number()).transpose()?;
+        a.unsprung_mass += tyre::mass(f)? * if separation.is_some() { 2.0 } else { 1.0 };
+        twins.push(separation);
     }
     let beams: f64 = axles.iter().filter_map(|a| a.suspension.linkage.beam()).map(|b| b.mass).sum();
     let total = sprung.mass + axles.iter().map(|a| 2.0 * a.unsprung_mass).sum::<f64>() + beams;
     let load = total * GRAVITY / (2 * axles.len()) as f64;
     let mut tyres = Vec::new();
-    for (a, f) in axles.iter_mut().zip(&files) {
-        let t = tyre::read(set, f, load, notes)?;
+    for ((a, f), separation) in axles.iter_mut().zip(&files).zip(twins) {
+        let t = match separation {
+            None => tyre::read(set, f, load, notes)?,
+            Some(d) => {
+                notes.approximated(format!(
+                    "axle {}: twin wheels are one wheel with twice the forces of a tyre, {d} m wider than it",
+                    a.name
+                ));
+                tyre::twin(tyre::read(set, f, 0.5 * load, notes)?, d)
+            }
+        };
         a.spin_inertia += t.spin;
         tyres.push(t.spec);
     }
     let choice::Powertrain { engine, transmission } = choice::powertrain(set, options, notes)?;
-    let line = set.follow(&line.need("Input File")?, &["Driveline"])?;
     let mut driveline = driveline::read(&line, driven.len(), notes)?;
     driveline.shaft_inertia += transmission.shaft_inertia;
     order(&mut axles, &mut tyres, &mut driveline.axles, notes);
@@ -98,7 +113,9 @@ pub(super) fn convert(
 
 /// Declarations of the whole, which follow from the geometry here.
 fn declared(root: &Node, notes: &mut Notes) -> Result<(), ImportError> {
-    for key in ["Wheelbase", "Minimum Turning Radius", "Maximum Steering Angle (deg)"] {
+    for key in
+        ["Wheelbase", "Minimum Turning Radius", "Maximum Steering Angle (deg)", "Maximum Steering Angle"]
+    {
         if let Some(n) = root.get(key) {
             notes.dropped(format!("{}: {}, which follows from the geometry here", n.at(), n.number()?));
         }
@@ -169,6 +186,8 @@ fn axle(
     }
     let steering = match entry.get("Steering Index") {
         None => None,
+        // Chrono's value for none.
+        Some(n) if n.number()? == -1.0 => None,
         Some(n) => {
             let k = indexes_one(&n, gears.len())?;
             Some(gears[k].at(position, parts.mirrored))
@@ -179,11 +198,12 @@ fn axle(
             "more than two springs and shocks on lines of their own; the simulator has two for each wheel",
         );
     }
-    let wheel = both(set, entry, "Wheel", "Wheel", notes)?;
     let (mut mass, mut spin) = (parts.unsprung, parts.spin);
-    if let Some(w) = &wheel {
-        mass += w.root().num("Mass")?;
-        spin += w.root().pt("Inertia")?[1];
+    for part in ["Wheel", "Inside Wheel", "Outside Wheel"] {
+        if let Some(w) = both(set, entry, part, "Wheel", notes)? {
+            mass += w.root().num("Mass")?;
+            spin += w.root().pt("Inertia")?[1];
+        }
     }
     let brake = match both(set, entry, "Brake", "Brake", notes)? {
         Some(b) => b.root().num("Maximum Torque")?,

@@ -2,14 +2,15 @@
 
 mod expr;
 mod tree;
+mod wheel;
 mod xacro;
 mod xml;
 
 use crate::chrono::{Draft, build, to_the_left, travels};
 use crate::hull::{outermost, solid};
-use crate::place::{Mass, length, scale, sub, turn};
+use crate::place::Mass;
 use crate::{ImportError, Imported, Notes, Options};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use tree::{Pose, Robot};
 use vb_vehicle::powertrain::{
@@ -21,28 +22,18 @@ use vb_vehicle::suspension::{
     Suspension,
 };
 use vb_vehicle::tyre::BrushTyre;
-use vb_vehicle::{Axle, GRAVITY, MAX_WHEELS, Point, TyreSpec, VehicleSpec};
+use vb_vehicle::{Axle, GRAVITY, Point, TyreSpec, VehicleSpec};
+use wheel::{Poses, Wheel, axis, descendants, pair, steered, turns, wheel};
 use xml::Element;
 
 /// Parts of the hull; more become one part.
 const PARTS: usize = 32;
 /// Top speed of robots whose joints have no limit of velocity, m/s.
 const SPEED: f64 = 2.0;
-
-/// A wheel in the frame of the root link.
-#[derive(Clone, Debug)]
-struct Wheel {
-    joint: String,
-    centre: Point,
-    radius: f64,
-    width: f64,
-    mass: f64,
-    spin: f64,
-    /// Greatest steering angle, rad, if a joint steers it.
-    steers: Option<f64>,
-    effort: Option<f64>,
-    velocity: Option<f64>,
-}
+/// Speed beyond which a limit of velocity limits nothing, m/s, as simulators' files have it.
+const FASTEST: f64 = 100.0;
+/// The force of a motor, over the robot's weight, beyond which a limit of effort limits nothing.
+const STRONGEST: f64 = 20.0;
 
 /// Converts a URDF or xacro file.
 ///
@@ -60,18 +51,73 @@ pub fn import(file: &Path, text: &str, options: &Options) -> Result<Imported, Im
     for (kind, count) in kinds {
         notes.dropped(format!("<{kind}>, {count} of them"));
     }
+    sideways(&root, &name, &mut notes)?;
+    let motors = actuated(&root);
     let robot = tree::read(&root, file, options.data.as_deref(), &mut notes)?;
     let robot_name = root.get("name").unwrap_or("robot").to_owned();
-    let spec = convert(&robot, robot_name, &name, options, &mut notes)?;
+    let spec = convert(&robot, robot_name, &name, &motors, options, &mut notes)?;
     let mut imported = Imported { spec, notes, source: format!("the robot description {name}") };
     crate::chrono::deviations(&mut imported);
     Ok(imported)
 }
 
-/// Poses of all links in the frame of the root, and for each the joint that holds it.
-fn poses(robot: &Robot) -> Vec<Option<(Pose, Option<usize>)>> {
+/// Refuses robots on mecanum or omni wheels as far as names and plugins tell.
+fn sideways(root: &Element, file: &str, notes: &mut Notes) -> Result<(), ImportError> {
+    let texts = root.attributes.iter().map(|(_, v)| v).chain([&root.text]);
+    for text in texts {
+        let lower = text.to_ascii_lowercase();
+        if ["mecanum", "omni_wheel", "omniwheel"].iter().any(|w| lower.contains(w)) {
+            let problem = format!(
+                "<{}>: {text:?}: wheels that roll sideways have no counterpart; convert a robot with plain wheels",
+                root.name
+            );
+            return Err(ImportError::new(file, root.at(), problem));
+        }
+        if ["planar_move", "force_based_move"].iter().any(|w| lower.contains(w)) {
+            notes.dropped(format!("the plugin {text:?}, which moves the robot in all directions; here its wheels do, as plain wheels"));
+        }
+    }
+    root.children.iter().try_for_each(|c| sideways(c, file, notes))
+}
+
+/// The joints with a motor, as transmissions of ROS 1 and 2 name them.
+fn actuated(root: &Element) -> BTreeSet<String> {
+    let first = root.named("transmission").flat_map(|t| t.named("joint"));
+    let second = root.named("ros2_control").flat_map(|t| t.named("joint"));
+    let second = second.filter(|j| j.child("command_interface").is_some());
+    first.chain(second).filter_map(|j| j.get("name")).map(str::to_owned).collect()
+}
+
+/// The pose of the root link in a frame with x forward. Wheels with axes along x belong to a robot that drives along y, to the
+/// side on which its steered wheels are.
+fn facing(robot: &Robot, notes: &mut Notes) -> Pose {
+    let poses = poses(robot, Pose::ORIGIN);
+    let (mut along, mut across) = (Vec::new(), 0_usize);
+    for j in robot.joints.iter().filter(|j| turns(j)) {
+        let Some((pose, _)) = poses[j.child] else { continue };
+        let a = axis(j, &pose);
+        across += usize::from(a[1].abs() > 0.7);
+        if a[0].abs() > 0.7 && !robot.links[j.child].shapes.is_empty() {
+            along.push((pose.at[1], steered(robot, &poses, j.parent).is_some()));
+        }
+    }
+    if along.len() <= across || along.len() < 4 {
+        return Pose::ORIGIN;
+    }
+    let mean = along.iter().map(|w| w.0).sum::<f64>() / along.len() as f64;
+    let ahead: f64 = along.iter().filter(|w| w.1).map(|w| w.0 - mean).sum();
+    let sign = if ahead < 0.0 { -1.0 } else { 1.0 };
+    notes.chosen(format!(
+        "the robot drives along {}y, since its wheels turn about x; it is turned to drive along x",
+        if sign < 0.0 { "-" } else { "+" }
+    ));
+    Pose { at: [0.0; 3], axes: [[0.0, sign, 0.0], [-sign, 0.0, 0.0], [0.0, 0.0, 1.0]] }
+}
+
+/// Poses of all links in the frame of the root's pose, and for each the joint that holds it.
+fn poses(robot: &Robot, root: Pose) -> Vec<Option<(Pose, Option<usize>)>> {
     let mut out: Vec<Option<(Pose, Option<usize>)>> = vec![None; robot.links.len()];
-    out[robot.root] = Some((Pose::ORIGIN, None));
+    out[robot.root] = Some((root, None));
     // A robot is a tree, so every pass places a generation.
     for _ in 0..robot.links.len() {
         let mut changed = false;
@@ -92,19 +138,19 @@ fn convert(
     robot: &Robot,
     name: String,
     file: &str,
+    motor: &BTreeSet<String>,
     options: &Options,
     notes: &mut Notes,
 ) -> Result<VehicleSpec, ImportError> {
-    let poses = poses(robot);
+    let poses = poses(robot, facing(robot, notes));
     let mut wheels = Vec::new();
     let mut within = vec![None; robot.links.len()];
     for (k, j) in robot.joints.iter().enumerate() {
-        if j.kind != "continuous" {
+        if !turns(j) {
             continue;
         }
         let Some((pose, _)) = poses[j.child] else { continue };
-        let axis = turn(&pose.axes, j.axis);
-        let axis = scale(axis, 1.0 / length(axis).max(1e-12));
+        let axis = axis(j, &pose);
         if axis[1].abs() < 0.7 {
             if axis[2].abs() < 0.7 {
                 notes.dropped(format!(
@@ -114,7 +160,7 @@ fn convert(
             }
             continue;
         }
-        let Some(wheel) = wheel(robot, &poses, k, notes)? else { continue };
+        let Some(wheel) = wheel(robot, &poses, k, file, notes)? else { continue };
         for l in descendants(robot, j.child) {
             within[l] = Some(wheels.len());
         }
@@ -141,8 +187,14 @@ fn convert(
     let total = sprung.mass + pairs.iter().map(|p| p[0].mass + p[1].mass).sum::<f64>();
     let load = total * GRAVITY / (2 * pairs.len()) as f64;
     let is_steered = pairs.iter().flatten().any(|w| w.steers.is_some());
-    let axles: Vec<Axle> =
+    let mut axles: Vec<Axle> =
         pairs.iter().enumerate().map(|(i, p)| axle(i, pairs.len(), p, load, notes)).collect();
+    let moved: Vec<bool> = pairs.iter().map(|p| p.iter().any(|w| motor.contains(&w.joint))).collect();
+    if is_steered && moved.contains(&true) {
+        axles.iter_mut().zip(moved).for_each(|(a, moved)| a.driven = moved);
+    } else {
+        notes.assumed("motors drive all axles");
+    }
     let tyres: Vec<TyreSpec> = pairs.iter().map(|p| TyreSpec::Brush(tyre(&p[0], load, is_steered))).collect();
     notes.assumed("tyres: a brush with a friction of 0.9 and 5 % of deflection at rest; set them from data of the robot's tyres");
     notes.assumed("steering.rate: 2 per second");
@@ -150,7 +202,9 @@ fn convert(
     let last = pairs[pairs.len() - 1][0].centre;
     let z = pairs.iter().map(|p| p[0].centre[2]).sum::<f64>() / pairs.len() as f64;
     let origin = [0.5 * (first[0] + last[0]), 0.0, z];
-    let powertrain = motors(&pairs, total, notes);
+    let driven: Vec<&[Wheel; 2]> =
+        pairs.iter().zip(&axles).filter(|(_, a)| a.driven).map(|(p, _)| p).collect();
+    let powertrain = motors(&driven, total, notes);
     let skid = if is_steered { None } else { skid(&powertrain, pairs[0][0].radius, notes) };
     let by = if is_steered { SteeredBy::Wheels } else { SteeredBy::Differential };
     let draft = Draft {
@@ -181,7 +235,7 @@ fn skid(powertrain: &Powertrain, radius: f64, notes: &mut Notes) -> Option<Skid>
     let (torque, speed) = (torque.first()?[1], powertrain.governor.as_ref()?.speed);
     notes.assumed(
         "skid: no joint steers a wheel, so the sides turn at different speeds: at full command by the mean speed, and by half of the top \
-         speed in place; set them from the limits of the robot's controller",
+         speed in place; set them from the limits of the robot's controller. Rollers of mecanum wheels, which URDF does not have, are none here",
     );
     let at_rest = 0.5 * speed;
     // A side's share of the torque for a twentieth of the difference in place.
@@ -189,82 +243,10 @@ fn skid(powertrain: &Powertrain, radius: f64, notes: &mut Notes) -> Option<Skid>
     Some(Skid::Speed { relative: 1.0, at_rest, gain })
 }
 
-fn descendants(robot: &Robot, root: usize) -> Vec<usize> {
-    let mut out = vec![root];
-    let mut k = 0;
-    while k < out.len() {
-        let link = out[k];
-        out.extend(robot.joints.iter().filter(|j| j.parent == link).map(|j| j.child));
-        k += 1;
-    }
-    out
-}
-
-/// The wheel on a joint: its size is that of the collision shapes that turn with it.
-fn wheel(
-    robot: &Robot,
-    poses: &[Option<(Pose, Option<usize>)>],
-    joint: usize,
-    notes: &mut Notes,
-) -> Result<Option<Wheel>, ImportError> {
-    let j = &robot.joints[joint];
-    let Some((hub, _)) = poses[j.child] else { return Ok(None) };
-    let (mut mass, mut radius, mut width) = (Mass::default(), 0.0_f64, 0.0_f64);
-    for l in descendants(robot, j.child) {
-        let Some((pose, _)) = poses[l] else { continue };
-        let link = &robot.links[l];
-        if link.massive {
-            mass = mass.plus(&link.mass.moved(pose.at, &pose.axes));
-        }
-        for p in link.shapes.iter().flat_map(|s| &s.points) {
-            let d = sub(pose.point(*p), hub.at);
-            radius = radius.max(vb_math::hypot(d[0], d[2]));
-            width = width.max(2.0 * d[1].abs());
-        }
-    }
-    if radius <= 0.0 {
-        notes.dropped(format!("joint {}: its link has no collision shape, so it is no wheel", j.name));
-        return Ok(None);
-    }
-    let inertia = if mass.mass > 0.0 { mass.central().1[1][1] } else { 0.0 };
-    if mass.mass <= 0.0 {
-        notes.assumed(format!("joint {}: a wheel of 1 kg, since its link has no mass", j.name));
-        mass.mass = 1.0;
-    }
-    let solid_disc = 0.5 * mass.mass * radius * radius;
-    let spin = if inertia > 0.0 { inertia } else { solid_disc };
-    Ok(Some(Wheel {
-        joint: j.name.clone(),
-        centre: hub.at,
-        radius,
-        width: width.max(0.05 * radius),
-        mass: mass.mass,
-        spin,
-        steers: steers(robot, poses, j.parent),
-        effort: j.limit[2].filter(|x| *x > 0.0),
-        velocity: j.limit[3].filter(|x| *x > 0.0),
-    }))
-}
-
-/// The greatest angle of the joint with an upright axis that carries a link, if there is one.
-fn steers(robot: &Robot, poses: &[Option<(Pose, Option<usize>)>], mut link: usize) -> Option<f64> {
-    while let Some((pose, Some(k))) = poses[link] {
-        let j = &robot.joints[k];
-        let axis = turn(&pose.axes, j.axis);
-        let upright = axis[2].abs() > 0.8 * length(axis);
-        if upright && matches!(j.kind.as_str(), "revolute" | "continuous") {
-            let limit = j.limit[0].into_iter().chain(j.limit[1]).map(f64::abs).fold(0.0, f64::max);
-            return Some(if limit > 0.0 { limit.min(1.0) } else { 0.5 });
-        }
-        link = j.parent;
-    }
-    None
-}
-
 /// The body of all links that turn with no wheel, and its convex parts.
 fn body(
     robot: &Robot,
-    poses: &[Option<(Pose, Option<usize>)>],
+    poses: &Poses,
     within: &[Option<usize>],
     file: &str,
 ) -> Result<(Mass, Vec<Vec<Point>>), ImportError> {
@@ -293,45 +275,6 @@ fn body(
         hull = vec![outermost(&hull.concat())];
     }
     Ok((mass, hull))
-}
-
-/// Wheels in pairs, from front to back, left before right.
-fn pair(mut wheels: Vec<Wheel>, file: &str) -> Result<Vec<[Wheel; 2]>, ImportError> {
-    let mut out: Vec<[Wheel; 2]> = Vec::new();
-    wheels.sort_by(|a, b| b.centre[0].total_cmp(&a.centre[0]));
-    while let Some(k) = wheels.iter().position(|w| w.centre[1] > 0.0) {
-        let left = wheels.remove(k);
-        let near = 0.5 * left.radius;
-        let partner = wheels.iter().position(|w| {
-            let mirror = [left.centre[0], -left.centre[1], left.centre[2]];
-            w.centre[1] < 0.0 && length(sub(w.centre, mirror)) < near
-        });
-        let Some(p) = partner else {
-            let problem = format!(
-                "no wheel stands opposite at ({:.3}, {:.3}) m; axles have two",
-                left.centre[0], -left.centre[1]
-            );
-            return Err(ImportError::new(file, format!("joint {}", left.joint), problem));
-        };
-        let right = wheels.remove(p);
-        out.push([left, right]);
-    }
-    if let Some(w) = wheels.first() {
-        let problem = format!(
-            "no wheel stands opposite at ({:.3}, {:.3}) m; axles have two",
-            w.centre[0], -w.centre[1]
-        );
-        return Err(ImportError::new(file, format!("joint {}", w.joint), problem));
-    }
-    if !(2..=MAX_WHEELS / 2).contains(&out.len()) {
-        let problem = format!(
-            "{} axles; the simulator has vehicles with 2 to {} (casters have no counterpart)",
-            out.len(),
-            MAX_WHEELS / 2
-        );
-        return Err(ImportError::new(file, "", problem));
-    }
-    Ok(out)
 }
 
 /// The tyre of a wheel. Where the sides turn at different speeds, all wheels slide: the stiffness is then the same in both
@@ -435,26 +378,29 @@ fn wishbones(y: f64, r: f64, load: f64) -> Suspension {
 }
 
 /// Electric motors on all axles, from the limits of the joints.
-fn motors(pairs: &[[Wheel; 2]], total: f64, notes: &mut Notes) -> Powertrain {
+fn motors(pairs: &[&[Wheel; 2]], total: f64, notes: &mut Notes) -> Powertrain {
     let radius = pairs[0][0].radius;
-    let all = || pairs.iter().flatten();
+    let all = || pairs.iter().copied().flatten();
     let velocity = all().filter_map(|w| w.velocity).fold(f64::INFINITY, f64::min);
-    let velocity = if velocity.is_finite() {
+    let velocity = if velocity * radius < FASTEST {
         velocity
     } else {
-        notes.assumed(format!("top speed of {SPEED} m/s, since no wheel's joint has a limit of velocity"));
+        notes.assumed(format!(
+            "top speed of {SPEED} m/s, since no wheel's joint has a limit of velocity below {FASTEST} m/s"
+        ));
         SPEED / radius
     };
     let effort: f64 = all().filter_map(|w| w.effort).sum();
-    let torque = if effort > 0.0 {
+    let weight = total * GRAVITY * radius;
+    let torque = if effort > 0.0 && effort < STRONGEST * weight {
         effort
     } else {
-        notes.assumed(
-            "motors push with up to 0.6 of the weight, since no wheel's joint has a limit of effort",
-        );
-        0.6 * total * GRAVITY * radius
+        notes.assumed(format!(
+            "motors push with up to 0.6 of the weight, since the wheels' joints have no limits of effort below {STRONGEST} times the weight"
+        ));
+        0.6 * weight
     };
-    notes.approximated("one electric motor drives all wheels by open differentials; its torque falls to none at 1.5 times the top speed");
+    notes.approximated("one electric motor drives all driven wheels by open differentials; its torque falls to none at 1.5 times the top speed");
     let fraction = 1.0 / pairs.len() as f64;
     let axle = DrivenAxle {
         fraction,

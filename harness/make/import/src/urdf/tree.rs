@@ -40,10 +40,12 @@ impl Pose {
     }
 }
 
-/// A collision shape as a point cloud in its link's frame, and its radius and width about y if it is round.
+/// A shape as a point cloud in its link's frame.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub(super) points: Vec<Point>,
+    /// Whether it is a ball, which has no width.
+    pub(super) ball: bool,
 }
 
 /// A link.
@@ -54,7 +56,10 @@ pub(super) struct Link {
     pub(super) mass: Mass,
     /// Whether the file gives an inertia.
     pub(super) massive: bool,
+    /// Collision shapes.
     pub(super) shapes: Vec<Shape>,
+    /// Boxes, cylinders and balls that are drawn, which stand for absent collision shapes of wheels.
+    pub(super) drawn: Vec<Shape>,
 }
 
 /// A joint.
@@ -101,6 +106,7 @@ pub(super) fn read(
     for e in root.named("joint") {
         joints.push(joint(e, &index)?);
     }
+    unread(root, notes);
     let mut parents: Vec<Option<usize>> = vec![None; links.len()];
     for (k, j) in joints.iter().enumerate() {
         if parents[j.child].replace(k).is_some() {
@@ -147,6 +153,24 @@ pub(super) fn read(
     Ok(Robot { links, joints, root })
 }
 
+/// Lists the parts of links and joints that have no counterpart, one note for each kind.
+fn unread(root: &Element, notes: &mut Notes) {
+    let mut found: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
+    for (of, known) in
+        [("link", &["inertial", "collision"][..]), ("joint", &["origin", "parent", "child", "axis", "limit"])]
+    {
+        for e in root.named(of) {
+            for c in e.children.iter().filter(|c| !known.contains(&c.name.as_str())) {
+                found.entry((of, &c.name)).or_default().push(e.get("name").unwrap_or(""));
+            }
+        }
+    }
+    for ((of, kind), mut names) in found {
+        names.dedup();
+        notes.dropped(format!("<{kind}> of {of}s: {}", names.join(", ")));
+    }
+}
+
 /// Whether a link hangs on another one.
 fn reaches(joints: &[Joint], parents: &[Option<usize>], mut link: usize, root: usize) -> bool {
     for _ in 0..=parents.len() {
@@ -191,18 +215,26 @@ fn link(
     }
     let mut shapes = Vec::new();
     for c in e.named("collision") {
-        let pose = Pose::read(c)?;
         let Some(geometry) = c.child("geometry") else { return c.fail("<geometry> is missing") };
-        for points in shape(geometry, &name, file, data, notes)? {
-            shapes.push(Shape { points: points.iter().map(|p| pose.point(*p)).collect() });
+        shapes.extend(placed(c, shape(geometry, &name, file, data, notes)?)?);
+    }
+    let mut drawn = Vec::new();
+    for v in e.named("visual") {
+        if let Some(g) = v.child("geometry")
+            && g.children.first().is_some_and(|g| g.name != "mesh")
+        {
+            drawn.extend(placed(v, shape(g, &name, file, data, notes)?)?);
         }
     }
-    for (part, why) in [("visual", "drawing"), ("sensor", "sensor")] {
-        if e.named(part).next().is_some() {
-            notes.dropped(format!("link {name}: <{part}> ({why})"));
-        }
-    }
-    Ok(Link { name, mass, massive, shapes })
+    Ok(Link { name, mass, massive, shapes, drawn })
+}
+
+/// The parts of a collision shape or a drawing in the frame of its link.
+fn placed(e: &Element, parts: Vec<Vec<Point>>) -> Result<Vec<Shape>, ImportError> {
+    let pose = Pose::read(e)?;
+    let ball = e.child("geometry").is_some_and(|g| g.child("sphere").is_some());
+    let shape = |points: Vec<Point>| Shape { points: points.iter().map(|p| pose.point(*p)).collect(), ball };
+    Ok(parts.into_iter().map(shape).collect())
 }
 
 fn shape(

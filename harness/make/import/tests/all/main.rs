@@ -6,6 +6,7 @@ mod chrono;
 mod invalid;
 mod shared;
 mod urdf;
+mod variants;
 
 use std::fs;
 use std::path::{Path, PathBuf};

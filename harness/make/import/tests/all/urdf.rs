@@ -129,3 +129,103 @@ fn a_loop_of_includes_and_a_huge_mesh_are_refused() {
     let i = import(&file, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
     assert!(i.notes.of(Kind::NoCounterpart).any(|n| n.text.contains("m.stl")));
 }
+
+#[test]
+fn a_robot_that_drives_along_y_is_turned() {
+    // The car of above about the upright axis: its front lies at -y, its left at +x.
+    let turned = CAR
+        .replace("<link name=\"base\">", "<link name=\"world\"/><joint name=\"turn\" type=\"fixed\"><parent link=\"world\"/><child link=\"base\"/><origin rpy=\"0 0 ${-pi/2}\"/></joint><link name=\"base\">");
+    let (a, b) = (convert(CAR).unwrap(), convert(&turned).unwrap_or_else(|e| panic!("{e}")));
+    assert!(b.notes.of(Kind::Chosen).any(|n| n.text.contains("drives along -y")));
+    for (x, y) in a.spec.axles.iter().zip(&b.spec.axles) {
+        assert!((x.position[0] - y.position[0]).abs() < 1e-7, "{:?} {:?}", x.position, y.position);
+        assert_eq!(x.steering.is_some(), y.steering.is_some());
+        assert!((x.suspension.linkage.spindle()[1] - y.suspension.linkage.spindle()[1]).abs() < 1e-7);
+    }
+    for (x, y) in a.spec.chassis.inertia.iter().zip(&b.spec.chassis.inertia) {
+        assert!((x - y).abs() < 1e-7, "{x} {y}");
+    }
+}
+
+#[test]
+fn the_middle_of_a_wheel_is_that_of_its_shape() {
+    // The rear wheels stand 0.3 · 0.11 m outside of their joints.
+    let beside = CAR.replace(
+        "<collision><origin rpy=\"${pi/2} 0 0\"/>",
+        "<collision><origin xyz=\"0 ${y * 0.3} 0\" rpy=\"${pi/2} 0 0\"/>",
+    );
+    let s = convert(&beside).unwrap_or_else(|e| panic!("{e}")).spec;
+    assert!((s.axles[1].suspension.linkage.spindle()[1] - 0.143).abs() < 1e-6, "{:?}", s.axles[1]);
+    assert!((s.tyre.width() - 0.04).abs() < 1e-9, "{}", s.tyre.width());
+}
+
+#[test]
+fn shapes_that_are_no_cylinders_stand_for_wheels_with_a_note() {
+    let cylinder = "<cylinder radius=\"${r}\" length=\"0.04\"/>";
+    let i = convert(&CAR.replace(cylinder, "<sphere radius=\"${r}\"/>")).unwrap();
+    assert!((i.spec.tyre.width() - 0.036).abs() < 1e-4, "{}", i.spec.tyre.width());
+    assert!(i.notes.of(Kind::Assumed).any(|n| n.text.contains("its shape is a ball")));
+    // Without collision shapes, a drawn cylinder is the wheel.
+    let drawn = CAR
+        .replace("<collision><origin rpy=\"${pi/2} 0 0\"/>", "<visual><origin rpy=\"${pi/2} 0 0\"/>")
+        .replace("length=\"0.04\"/></geometry></collision>", "length=\"0.04\"/></geometry></visual>")
+        .replace("<visual><geometry><sphere radius=\"1\"/></geometry></visual>", "");
+    let i = convert(&drawn).unwrap();
+    assert!((i.spec.tyre.radius() - 0.06).abs() < 1e-9);
+    assert!(i.notes.of(Kind::Approximated).any(|n| n.text.contains("the wheel's drawing is its shape")));
+}
+
+#[test]
+fn a_car_drives_the_axles_that_have_motors() {
+    let motors = |text: &str| convert(&CAR.replace("</robot>", &format!("{text}</robot>"))).unwrap();
+    let driven = |i: &Imported| i.spec.axles.iter().map(|a| a.driven).collect::<Vec<_>>();
+    assert_eq!(driven(&motors("")), [true, true]);
+    let first = motors(
+        "<transmission name=\"t\"><joint name=\"rl_joint\"/><joint name=\"fl_steer\"/></transmission>",
+    );
+    assert_eq!((driven(&first), first.spec.powertrain.driveline.axles.len()), (vec![false, true], 1));
+    // Two joints of 0.5 N m.
+    assert!((first.spec.powertrain.engine.torque(0.0, 1.0) - 1.0).abs() < 1e-9);
+    let second = "<ros2_control><joint name=\"fl_joint\"><command_interface name=\"velocity\"/></joint><joint name=\"rl_joint\"><state_interface name=\"position\"/></joint></ros2_control>";
+    assert_eq!(driven(&motors(second)), [true, false]);
+}
+
+#[test]
+fn limits_that_limit_nothing_are_none() {
+    let i =
+        convert(&CAR.replace("effort=\"0.5\" velocity=\"50\"", "effort=\"1e6\" velocity=\"1e6\"")).unwrap();
+    assert!(i.spec.max_speed < 2.1, "{}", i.spec.max_speed);
+    // 0.6 of the weight of 7.7 kg at the radius.
+    let torque = 0.6 * 7.7 * vb_vehicle::GRAVITY * 0.06;
+    assert!((i.spec.powertrain.engine.torque(0.0, 1.0) - torque).abs() < 1e-6);
+}
+
+#[test]
+fn casters_and_wheels_that_roll_sideways_are_refused() {
+    let caster = CAR
+        .replace("<limit lower=\"-0.4\" upper=\"0.4\" effort=\"1\" velocity=\"3\"/>", "")
+        .replace("type=\"revolute\"", "type=\"continuous\"");
+    // Above the wheel's centre it is a steered wheel, behind it a caster.
+    let i = convert(&caster).unwrap();
+    assert!(i.notes.of(Kind::Assumed).any(|n| n.text.contains("steers by up to 0.5 rad")));
+    let behind = caster.replace("parent=\"${name}_hinge\" x=\"0\"", "parent=\"${name}_hinge\" x=\"-0.03\"");
+    let e = convert(&behind).unwrap_err().to_string();
+    assert!(e.contains("joint fl_steer: a caster") && !e.contains('\n'), "{e}");
+    let e = convert(&CAR.replace("name=\"small car\"", "name=\"mecanum car\"")).unwrap_err().to_string();
+    assert!(e.contains("wheels that roll sideways have no counterpart"), "{e}");
+    let plugin = CAR
+        .replace("</robot>", "<gazebo><plugin filename=\"libgazebo_ros_planar_move.so\"/></gazebo></robot>");
+    assert!(convert(&plugin).unwrap().notes.of(Kind::NoCounterpart).any(|n| n.text.contains("planar_move")));
+}
+
+#[test]
+fn parts_of_joints_are_listed() {
+    let text = CAR.replace(
+        "<axis xyz=\"0 1 0\"/>",
+        "<axis xyz=\"0 1 0\"/><dynamics damping=\"0.1\"/><mimic joint=\"x\"/>",
+    );
+    let i = convert(&text).unwrap();
+    for what in ["<dynamics> of joints: ", "<mimic> of joints: ", "<visual> of links: "] {
+        assert!(i.notes.of(Kind::NoCounterpart).any(|n| n.text.starts_with(what)), "{what}");
+    }
+}
