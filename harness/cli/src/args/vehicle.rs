@@ -53,7 +53,7 @@ pub(crate) struct VehicleImportArgs {
     /// Chrono: file of the transmission; default: chosen from the set
     #[arg(long, value_name = "FILE")]
     pub(crate) transmission: Option<PathBuf>,
-    /// Chrono: file of the tyre; once for all axles, or once per axle from front to back; default: chosen from the set
+    /// Chrono: file of the tyre; once for all axles, or once per axle in the order of the file; default: chosen from the set
     #[arg(long = "tyre", value_name = "FILE")]
     pub(crate) tyres: Vec<PathBuf>,
     /// xacro: value of an argument; may be repeated

@@ -36,7 +36,7 @@ pub struct Options {
     pub engine: Option<PathBuf>,
     /// Chrono: the transmission's file; chosen from the set if absent.
     pub transmission: Option<PathBuf>,
-    /// Chrono: the tyres' files, one for all axles or one per axle from front to back; chosen from the set if empty.
+    /// Chrono: the tyres' files, one for all axles or one per axle in the order of the vehicle's file; chosen from the set if empty.
     pub tyres: Vec<PathBuf>,
     /// xacro: values of arguments, by name.
     pub arguments: Vec<(String, String)>,
