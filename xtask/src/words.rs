@@ -45,10 +45,12 @@ pub(crate) fn check() -> Result<(), Failure> {
         let name = file.strip_prefix(root()).unwrap_or(&file).display().to_string();
         let is_python = file.extension().is_some_and(|e| e == "py");
         let lines = if is_python { docstrings(&text) } else { prose(&text) };
+        let mut before = String::new();
         for (line, text) in lines {
-            for term in terms.iter().filter(|term| contains(&text, &term.avoid)) {
+            for term in terms.iter().filter(|term| contains(&before, &text, &term.avoid)) {
                 found.push(format!("{name}:{line}: {:?}: write {}", term.avoid, term.write));
             }
+            before = text;
         }
     }
     if found.is_empty() {
@@ -118,16 +120,19 @@ fn docstrings(text: &str) -> Vec<(usize, String)> {
     lines
 }
 
-/// Whether a line has a term as whole words.
-fn contains(line: &str, term: &str) -> bool {
+/// Whether a line has a term as whole words, after the line `before`.
+fn contains(before: &str, line: &str, term: &str) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '-' || c == '/';
-    line.match_indices(term).any(|(at, _)| {
-        let (before, after) = (&line[..at], &line[at + term.len()..]);
+    // An allowed phrase may begin in the line before, or go on in the next.
+    let last = before.split_whitespace().last().unwrap_or_default();
+    let text = format!("{last} {line}");
+    let first = text.len() - line.len();
+    text.match_indices(term).filter(|(at, _)| *at >= first).any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + term.len()..]);
         let is_whole = !before.ends_with(is_word) && !after.starts_with(is_word);
         let is_allowed = ALLOWED.iter().any(|allowed| {
             let begin = allowed.find(term).and_then(|offset| at.checked_sub(offset));
-            // A phrase may go on in the next line.
-            begin.and_then(|begin| line.get(begin..)).is_some_and(|rest| {
+            begin.and_then(|begin| text.get(begin..)).is_some_and(|rest| {
                 rest.starts_with(allowed) || allowed.starts_with(rest) && rest.ends_with(term)
             })
         });
@@ -151,11 +156,12 @@ mod tests {
     #[test]
     fn a_term_is_found_as_whole_words_outside_of_code() {
         let found = |text: &str, term: &str| -> Vec<usize> {
-            prose(text).into_iter().filter(|(_, line)| contains(line, term)).map(|(k, _)| k).collect()
+            prose(text).into_iter().filter(|(_, line)| contains("", line, term)).map(|(k, _)| k).collect()
         };
         let text = "The Least value\nat least one, the least-squares fit\n`least`\n```text\nleast\n```\nleastwise, un-least, least\nthe least\nsignificant";
         // In lines 7 and 8 it may be the first word of "least significant", which goes on in the next.
         assert_eq!(found(text, "least"), [1]);
+        assert!(contains("of at", "most or least 3", "least") && !contains("of at", "least 2 m", "least"));
         assert_eq!(found("what can be done\nwhat can be donef", "can be done"), [1]);
     }
 
@@ -164,7 +170,7 @@ mod tests {
         let text = "least = 1\n\"\"\"The least.\"\"\"\ndef f():\n    \"\"\"A sum.\n\n    least: The least.\n    \"\"\"\n    least = 2\n";
         let found: Vec<usize> = docstrings(text)
             .into_iter()
-            .filter(|(_, line)| contains(line, "least"))
+            .filter(|(_, line)| contains("", line, "least"))
             .map(|(k, _)| k)
             .collect();
         assert_eq!(found, [2, 6]);

@@ -5,7 +5,7 @@ use vb_files::{Document, DocumentError, Flaw};
 use crate::VehicleSpec;
 use crate::kinematics::AxleKinematics;
 
-/// The greatest number of wheels that a vehicle can have.
+/// The maximum number of wheels that a vehicle can have.
 pub const MAX_WHEELS: usize = 16;
 
 /// A vehicle with its linkages solved, which takes a millisecond. Made once, it serves any number of simulations; their

@@ -15,7 +15,7 @@ pub enum Skid {
     Speed {
         /// The difference over the mean speed at full command: at 2 the inner wheels stand still.
         relative: f64,
-        /// The least difference at full command, m/s at the circumference of the wheels: that with which the vehicle turns in
+        /// The minimum difference at full command, m/s at the circumference of the wheels: that with which the vehicle turns in
         /// place. 0 if it turns only while it drives.
         at_rest: f64,
         /// The torque that the motors of a side add, and those of the other take off, for each unit by which the difference of

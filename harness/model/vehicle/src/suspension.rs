@@ -97,7 +97,7 @@ pub struct Rod {
 #[allow(missing_docs, reason = "the names are the documentation: joints of the linkage")]
 pub struct Multilink {
     pub spindle: Point,
-    /// The four rods beside the tie rod.
+    /// The four rods in addition to the tie rod.
     pub links: [Rod; 4],
     pub tie_rod_inner: Point,
     pub tie_rod_outer: Point,
@@ -408,7 +408,7 @@ pub enum AntiRoll {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steering {
-    /// The greatest rate of the command, 1/s.
+    /// The maximum rate of the command, 1/s.
     pub rate: f64,
     /// The maximum force of each rack, N. Under a greater load the rack stalls or is driven back. The force is unlimited
     /// if the field is absent.

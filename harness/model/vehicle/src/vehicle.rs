@@ -162,7 +162,7 @@ pub struct Axle {
     pub unsprung_mass: f64,
     /// The spin inertia of each wheel, kg m².
     pub spin_inertia: f64,
-    /// The greatest brake torque of each wheel, N m.
+    /// The maximum brake torque of each wheel, N m.
     pub brake_torque: f64,
     /// The suspension, which guides the wheels.
     pub suspension: Suspension,

@@ -9,10 +9,10 @@ use vb_files::Flaw;
 use vb_math::angle::degrees;
 use vb_math::atan2;
 
-/// The least force of all brakes, and of the engine in its lowest gear, as a fraction of the vehicle's weight: it holds and climbs a
+/// The minimum force of all brakes, and of the engine in its lowest gear, as a fraction of the vehicle's weight: it holds and climbs a
 /// slope of 3°.
 const LEAST_FORCE: f64 = 0.05;
-/// The least angle at full lock between wheels of two axles, degrees. With 1° between its axles the HMMWV turns on a radius of 190 m.
+/// The minimum angle at full lock between wheels of two axles, degrees. With 1° between its axles the HMMWV turns on a radius of 190 m.
 const LEAST_LOCK_DEG: f64 = 1.0;
 
 /// The angle by which the left wheel of an axle turns to the left between no command and full lock, degrees.

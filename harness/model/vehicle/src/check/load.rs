@@ -9,7 +9,7 @@ use vb_files::Flaw;
 /// Travels at which the force of an axle's springs and stops is looked at.
 const TRAVELS: usize = 33;
 
-/// The greatest force with which springs and stops push a wheel down within its range, N, and the travel of that, m.
+/// The maximum force with which springs and stops push a wheel down within its range, N, and the travel of that, m.
 fn strongest(axle: &crate::Axle, kinematics: &AxleKinematics) -> (f64, f64) {
     kinematics
         .sample(&axle.suspension, Motion::Parallel, TRAVELS, 1)

@@ -3,7 +3,7 @@
 use super::Engine;
 use crate::table::interpolate;
 
-/// Part of its greatest speed over which the torque of a simple engine ends. Ours: the source drops it at once, which
+/// Part of its maximum speed over which the torque of a simple engine ends. Ours: the source drops it at once, which
 /// chatters.
 const CUT_OFF: f64 = 0.01;
 

@@ -25,19 +25,19 @@ pub struct Powertrain {
     pub governor: Option<Governor>,
 }
 
-/// A governor that closes the throttle towards a greatest speed of the vehicle over ground. Wheels that spin do not
+/// A governor that closes the throttle towards a maximum speed of the vehicle over ground. Wheels that spin do not
 /// concern it: the engine alone limits them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Governor {
     /// The speed from which on the throttle is closed, m/s.
     pub speed: f64,
-    /// The range of speeds below `speed` over which the greatest throttle falls from 1 to 0, m/s.
+    /// The range of speeds below `speed` over which the maximum throttle falls from 1 to 0, m/s.
     pub band: f64,
 }
 
 impl Governor {
-    /// The greatest throttle at a road speed (m/s), in [0, 1].
+    /// The maximum throttle at a road speed (m/s), in [0, 1].
     #[must_use]
     pub fn ceiling(&self, speed: f64) -> f64 {
         ((self.speed - speed) / self.band).clamp(0.0, 1.0)
@@ -62,7 +62,7 @@ pub enum Engine {
     Simple {
         /// The torque at throttle 1, N m.
         torque: f64,
-        /// The greatest power at throttle 1, W.
+        /// The maximum power at throttle 1, W.
         power: f64,
         /// The speed above which there is no torque, rad/s.
         max_speed: f64,
@@ -111,7 +111,7 @@ pub struct LockUp {
     pub speed_ratio: f64,
     /// The turbine speed below which the clutch opens, rad/s.
     pub release_speed: f64,
-    /// The greatest torque of the clutch, N m.
+    /// The maximum torque of the clutch, N m.
     pub torque: f64,
 }
 
@@ -135,7 +135,7 @@ pub struct Gearbox {
     /// The time for which a shift interrupts the torque, s.
     #[serde(default)]
     pub shift_time: f64,
-    /// The least time between two shifts, s.
+    /// The minimum time between two shifts, s.
     #[serde(default)]
     pub latency: f64,
     /// Whether the gearbox shifts up only into gears that can sustain the load, so that a constant load never makes it
@@ -207,7 +207,7 @@ pub enum Differential {
     /// It resists by friction that grows with the torque: the slower output gets up to `bias` times the torque of the
     /// faster.
     LimitedSlip {
-        /// The greatest ratio of the outputs' torques, ≥ 1.
+        /// The maximum ratio of the outputs' torques, ≥ 1.
         bias: f64,
         /// The torque that is moved from the faster to the slower output at no load, N m.
         #[serde(default)]

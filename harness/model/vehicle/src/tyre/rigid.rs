@@ -68,7 +68,7 @@ impl HardContact {
 pub struct Dilation {
     /// The solver's step, s.
     pub step: f64,
-    /// The greatest gap at which the solver still sees a contact, m.
+    /// The maximum gap at which the solver still sees a contact, m.
     pub reach: f64,
 }
 

@@ -33,9 +33,9 @@ pub struct TmeasyTyre {
     pub vertical_damping: f64,
     /// The longitudinal force over the slip at zero slip, N.
     pub dfx0: [f64; 2],
-    /// The greatest longitudinal force, N.
+    /// The maximum longitudinal force, N.
     pub fxm: [f64; 2],
-    /// The slip at which the greatest longitudinal force acts.
+    /// The slip at which the maximum longitudinal force acts.
     pub sxm: [f64; 2],
     /// The longitudinal force of full sliding, N.
     pub fxs: [f64; 2],
@@ -43,9 +43,9 @@ pub struct TmeasyTyre {
     pub sxs: [f64; 2],
     /// The lateral force over the slip at zero slip, N.
     pub dfy0: [f64; 2],
-    /// The greatest lateral force, N.
+    /// The maximum lateral force, N.
     pub fym: [f64; 2],
-    /// The slip at which the greatest lateral force acts.
+    /// The slip at which the maximum lateral force acts.
     pub sym: [f64; 2],
     /// The lateral force of full sliding, N.
     pub fys: [f64; 2],
