@@ -22,7 +22,7 @@ const TYRES: [&str; 2] = ["tyre/mod.rs", "TyreSpec"];
 
 /// Writes the page.
 pub(crate) fn fields() -> Result<(), Failure> {
-    let text = page(&crate::root())?;
+    let text = page(crate::root())?;
     std::fs::write(crate::root().join(PAGE), text)
         .map_err(|e| Failure::new(format!("can't write {PAGE}: {e}")))
 }
