@@ -422,7 +422,7 @@ mod tests {
         let root = crate::root();
         let found = std::fs::read_to_string(root.join(PAGE)).unwrap();
         assert!(
-            found == page(&root).unwrap(),
+            found == page(root).unwrap(),
             "{PAGE} is not what follows from {SOURCES}; run `cargo xtask fields`"
         );
     }
