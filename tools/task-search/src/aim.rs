@@ -1,4 +1,4 @@
-//! What a search is to come as far as it can in.
+//! Objectives of a search.
 
 use clap::ValueEnum;
 use serde::Serialize;
@@ -6,17 +6,16 @@ use vb_env::{Env, EnvError};
 use vb_score::Outcome;
 use vb_sdk::{HeightMap, Task};
 use vb_sim::VehicleState;
+use vb_vehicle::GRAVITY;
 
 use crate::way::Way;
 
-/// The gravitational acceleration, m/s².
-const GRAVITY: f64 = 9.81;
 /// Speed above which a vehicle counts as one that moves or falls, m/s at full scale.
 const SLOW: f64 = 0.5;
 /// The radius of the circle about the start within which a vehicle counts as one that has not left, m at full scale.
 const AT_START: f64 = 5.0;
 
-/// What is searched for: a way to the goal, or a drive that gains by an error of simulator or rules.
+/// Objective of a search: the goal, or a gain through an error of simulator or rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Aim {
@@ -35,7 +34,7 @@ pub(crate) enum Aim {
 }
 
 impl Aim {
-    /// The gain that weighs as much as one earlier try from the same state.
+    /// Gain in the objective that offsets one earlier attempt from the same state.
     fn per_try(self) -> f64 {
         match self {
             // A metre of the way.
@@ -47,12 +46,12 @@ impl Aim {
         }
     }
 
-    /// What a second that has passed weighs, in earlier tries: only on the way to the goal is time dear.
+    /// Cost of a second, in earlier attempts; 0 except for the goal.
     pub(crate) fn second(self) -> f64 {
         if self == Self::Goal { 2.0 } else { 0.0 }
     }
 
-    /// How much of what is wanted a state is worth in earlier tries from it.
+    /// Value of a state, in earlier attempts from it.
     pub(crate) fn promise(self, value: f64) -> f64 {
         value / self.per_try()
     }

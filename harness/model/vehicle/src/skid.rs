@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How motors turn the wheels of the two sides at different speeds.
+/// Skid steering by motors: the wheels of the two sides turn at different speeds.
 ///
 /// All wheels are driven, none is steered. The engine stands for all motors together: a side has half of them. The wheels of a
 /// side turn together (by chains, belts or shafts) if the centre differential is `locked`; each has a motor of its own if it

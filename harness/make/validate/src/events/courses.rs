@@ -89,7 +89,7 @@ impl Measure {
     }
 }
 
-/// What a search for a speed found.
+/// Result of the search for a speed.
 struct Found {
     /// The speed at the limit, m/s at full size; `None` if it lies outside the range that was driven, which `why` explains.
     speed: Option<f64>,
@@ -392,7 +392,7 @@ fn ordered(outcome: &mut Outcome, name: &str, speeds: &[Option<f64>]) {
     }
 }
 
-/// What a reader should know of a course that turns.
+/// Adds the note that a course with turns was driven straightened.
 fn straightened(outcome: &mut Outcome, named: &crate::course::NamedCourse) {
     let turn = named.course.turn().to_degrees();
     if turn > 0.05 {

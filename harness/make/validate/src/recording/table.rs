@@ -13,7 +13,7 @@ const DRIVE_POSES: [[&str; 3]; 2] =
     [["init_icp_x", "init_icp_y", "init_icp_yaw"], ["gt_icp_x", "gt_icp_y", "gt_icp_yaw"]];
 /// The interval between the samples of DRIVE's tables, s (Baril et al. 2023: 20 Hz).
 const DRIVE_INTERVAL: f64 = 0.05;
-/// What no wheel, place or time of a window exceeds: rad/s, m, s.
+/// Maximum magnitude of wheel speeds, rad/s, coordinates, m, angles, rad, and times, s.
 const MOST: f64 = 1e6;
 /// The longest window, s.
 const LONGEST: f64 = 600.0;

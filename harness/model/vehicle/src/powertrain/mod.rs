@@ -144,7 +144,7 @@ pub struct Gearbox {
     pub load_sensing: bool,
 }
 
-/// How a gearbox changes between forward, neutral and reverse.
+/// Changes of a gearbox between forward, neutral and reverse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionChange {

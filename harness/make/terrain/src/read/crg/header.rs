@@ -12,7 +12,7 @@ const OPTIONS: &str = "ROAD_CRG_OPTS";
 const MODIFIERS: &str = "ROAD_CRG_MODS";
 const CHANNELS: &str = "KD_DEFINITION";
 
-/// How the numbers of the data are stored.
+/// Number format of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Numbers {
     /// Text, numbers of this many characters.
@@ -21,7 +21,7 @@ pub(super) enum Numbers {
     Binary(usize),
 }
 
-/// What a column of the data holds.
+/// Content of a column of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Channel {
     /// The heading of the segment before a cut, rad.

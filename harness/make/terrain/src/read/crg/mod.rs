@@ -23,7 +23,7 @@ const MOST_SAMPLES: f64 = (1 << 23) as f64;
 /// The greatest coordinate, m, and the greatest slope.
 const FARTHEST: f64 = 1e6;
 const STEEPEST: f64 = 10.0;
-/// What lengths that must agree may differ by, as a fraction of the increment.
+/// Tolerance of lengths that must agree, as a fraction of the increment.
 const AGREEMENT: f64 = 1e-3;
 
 /// The name of the format.
@@ -52,7 +52,7 @@ const MOVES: [&str; 15] = [
 #[derive(Clone, Debug)]
 pub struct CourseFile {
     pub course: Course,
-    /// What a user should know of the file and of what was made of it, a sentence each.
+    /// Notes for the user on assumptions and ignored parts of the file, a sentence each.
     pub notes: Vec<String>,
 }
 
@@ -336,7 +336,7 @@ fn sections(header: &Header) -> Result<Vec<f64>, Flaw> {
     Ok((0..count).map(|k| first + k as f64 * increment).collect())
 }
 
-/// What the parameters say of the reference line where no channel does.
+/// Parameters of the reference line, for quantities without a channel.
 struct Line<'a> {
     road: &'a Values,
     cuts: usize,
@@ -432,13 +432,13 @@ impl Line<'_> {
     }
 }
 
-/// What modifiers do to heights.
+/// Factors of heights, and the values that replace missing ones.
 #[derive(Debug)]
 struct Modifiers {
     grid: f64,
     slope: f64,
     banking: f64,
-    /// What fills missing heights at the borders: nothing known but the last height there is, or a height of 0; and an offset, m.
+    /// Whether missing heights at the borders are 0 instead of the last height of the cut, before `offset` (m) is added.
     level: bool,
     offset: f64,
 }
