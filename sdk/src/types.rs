@@ -108,7 +108,7 @@ pub struct Vehicle {
     pub wheels: u32,
     /// The height of the belly above flat ground, m.
     pub ground_clearance: f64,
-    /// The road-wheel angle at steering command 1, rad: the mean of both sides.
+    /// The road-wheel angle at full lock, rad: the mean of both wheels, to the side that steers less far.
     pub max_steer_angle: f64,
     /// The maximum rate of the steering command, 1/s.
     pub max_steer_rate: f64,

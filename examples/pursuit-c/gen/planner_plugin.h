@@ -67,7 +67,7 @@ typedef struct vertibench_planner_types_vehicle_t {
   uint32_t   wheels;
   // The height of the belly above flat ground, m.
   double   ground_clearance;
-  // The road-wheel angle at steering command 1, rad: the mean of both sides.
+  // The road-wheel angle at full lock, rad: the mean of both wheels, to the side that steers less far.
   double   max_steer_angle;
   // The greatest rate of the steering command, 1/s.
   double   max_steer_rate;

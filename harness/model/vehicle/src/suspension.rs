@@ -2,6 +2,7 @@
 //! reference point, in chassis axes (x forward, y left, z up), m. The right side is their mirror image.
 
 use crate::Point;
+use crate::table::interpolate;
 use serde::{Deserialize, Serialize};
 
 /// The guidance and the springing of the wheels of an axle.
@@ -468,9 +469,34 @@ pub enum SteeringGear {
         /// The direction of its axis.
         #[serde(default = "up")]
         axis: Point,
-        /// The angle at command +1, rad, clockwise seen against the axis (from above if it points up).
+        /// The largest angle, rad, clockwise seen against the axis (from above if it points up) at positive commands.
         angle: f64,
+        /// The fraction of that angle over the command, from command −1 to +1: the characteristic of a servo, which may
+        /// reach less far to one side. In proportion if absent.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        response: Vec<[f64; 2]>,
     },
+}
+
+impl SteeringGear {
+    /// The position of a gear at a command in \[−1, 1\], as a fraction of its travel or angle.
+    #[must_use]
+    pub fn position(&self, command: f64) -> f64 {
+        match self {
+            Self::RotaryArm { response, .. } if !response.is_empty() => interpolate(response, command).0,
+            _ => command,
+        }
+    }
+
+    /// The travel (m) or the angle (rad) of the gear between commands −1 and +1, per command.
+    #[must_use]
+    pub fn stroke(&self) -> f64 {
+        let most = match self {
+            Self::RackAndPinion { travel } => travel,
+            Self::PitmanArm { angle, .. } | Self::RotaryArm { angle, .. } => angle,
+        };
+        0.5 * (self.position(1.0) - self.position(-1.0)) * most.abs()
+    }
 }
 
 fn up() -> Point {

@@ -23,7 +23,7 @@ pub struct StaticShape {
     pub wheelbase: f64,
     /// The distance between the wheels of the first axle, m.
     pub track: f64,
-    /// The mean angle of the first axle's wheels at steering command 1, rad. For a vehicle on tracks or with
+    /// The mean angle of the first axle's wheels at steering command 1 or −1, rad, whichever is smaller. For a vehicle on tracks or with
     /// skid steering it is that of a bicycle of its wheelbase which answers small commands by the same curvature.
     pub max_steer_angle: f64,
     /// The radius of the reference point's circle at steering command 1, m: the circle without slip, or that on which a
@@ -175,14 +175,15 @@ fn backwards(standing: &Simulation, period: u64) -> Result<f64, SimError> {
     Ok((-sim.state().velocity_body.x).max(0.0))
 }
 
-/// The mean angle of the first axle's wheels at steering command 1, rad; 0 without an axle.
+/// The mean angle of the first axle's wheels at steering command 1 or −1, rad, whichever turns them less; 0 without an axle.
 fn steering_angle(model: &VehicleModel) -> f64 {
     let Some(first) = model.axles().first() else { return 0.0 };
-    let angle = |side: Side| {
-        let axis = first.wheel(side, [0.0; 2], 1.0).axis;
+    let angle = |side: Side, command: f64| {
+        let axis = first.wheel(side, [0.0; 2], command).axis;
         atan2(-axis.x, axis.y)
     };
-    0.5 * (angle(Side::Left) + angle(Side::Right))
+    let lock = |command: f64| 0.5 * (angle(Side::Left, command) + angle(Side::Right, command));
+    lock(1.0).min(-lock(-1.0))
 }
 
 /// The centres of each axle's left and right wheel in the chassis frame at the design position, straight ahead, front to back, m.

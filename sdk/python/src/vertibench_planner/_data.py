@@ -39,7 +39,7 @@ class Vehicle:
     ground_clearance: float
     """The height of the belly above flat ground, m."""
     max_steer_angle: float
-    """The road-wheel angle at steering command 1, rad: the mean of both sides."""
+    """The road-wheel angle at full lock, rad: the mean of both wheels, to the side that steers less far."""
     max_steer_rate: float
     """The maximum rate of the steering command, 1/s."""
     min_turn_radius: float

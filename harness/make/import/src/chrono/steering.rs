@@ -101,6 +101,7 @@ pub(crate) fn read(root: &Node, entry: &Node, notes: &mut Notes) -> Result<Gear,
                 pivot: at(pivot),
                 axis: turn(&frame, arm.pt("Axis of Rotation")?),
                 angle: most(&arm)?,
+                response: Vec::new(),
             }
         }
         other => {

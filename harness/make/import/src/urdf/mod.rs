@@ -415,6 +415,7 @@ fn motors(pairs: &[&[Wheel; 2]], total: f64, notes: &mut Notes) -> Powertrain {
             torque: vec![[0.0, torque], [1.5 * velocity, 0.0]],
             regeneration: 1.0,
             friction: 0.0,
+            voltage: Vec::new(),
             inertia,
         },
         converter: None,

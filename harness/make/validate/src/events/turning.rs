@@ -65,6 +65,11 @@ fn turning_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             let lock = g.rest.iter().enumerate().map(|(i, q)| degrees(g.wheel_angle(i, *q, steering)).abs());
             let lock = lock.fold(0.0, f64::max);
             o.figure(format!("{side}: greatest angle of a wheel"), lock, "°");
+            if g.is_steered(0) {
+                let mean =
+                    0.5 * (g.wheel_angle(0, g.rest[0], steering) + g.wheel_angle(1, g.rest[1], steering));
+                o.figure(format!("{side}: mean angle of the front wheels"), degrees(mean).abs(), "°");
+            }
             o.figure(format!("{side}: curb-to-curb radius without slip"), rolling, "m");
             locks.push([lock, rolling]);
         }

@@ -1,6 +1,7 @@
 //! Engine, converter, gearbox and driveline.
 
 use crate::field::{Check, LARGEST, SMALLEST};
+use crate::table::interpolate;
 use crate::{
     VehicleSpec,
     powertrain::{Converter, Differential, Driveline, Engine, Gearbox},
@@ -44,6 +45,39 @@ impl Check {
         }
     }
 
+    /// Checks a table of output over command that may be absent: it goes from the first command of `range` to the last, rises
+    /// or is level, stays within the range, and gives 0 at 0 and at one end of the range that end itself.
+    pub(super) fn characteristic(
+        &self,
+        field: &str,
+        points: &[[f64; 2]],
+        [low, high]: [f64; 2],
+    ) -> Result<(), Flaw> {
+        if points.is_empty() {
+            return Ok(());
+        }
+        self.table(field, points)?;
+        let (first, last) = (points[0], points[points.len() - 1]);
+        if first[0] != low || last[0] != high {
+            let reason = format!("goes from {} to {}; must go from {low} to {high}", first[0], last[0]);
+            return self.fail(field, reason);
+        }
+        if let Some(w) = points.windows(2).find(|w| w[0][1] > w[1][1]) {
+            let reason = format!("second numbers must not fall, but {} follows {}", w[1][1], w[0][1]);
+            return self.fail(field, reason);
+        }
+        let zero = interpolate(points, 0.0).0;
+        if zero != 0.0 {
+            return self.fail(field, format!("gives {zero} at 0; must give 0"));
+        }
+        let reach = last[1].max(-first[1]);
+        if reach != high {
+            let reason = format!("reaches {reach}; must reach {high} at one end and no more at the other");
+            return self.fail(field, reason);
+        }
+        Ok(())
+    }
+
     fn engine(&self, engine: &Engine) -> Result<(), Flaw> {
         self.not_negative("powertrain.engine.inertia", engine.inertia())?;
         match engine {
@@ -56,7 +90,7 @@ impl Check {
                 self.positive("powertrain.engine.power", *power)?;
                 self.positive("powertrain.engine.max_speed", *max_speed)
             }
-            Engine::Electric { torque, regeneration, friction, .. } => {
+            Engine::Electric { torque, regeneration, friction, voltage, .. } => {
                 self.not_negative("powertrain.engine.friction", *friction)?;
                 let field = "powertrain.engine.torque";
                 self.table(field, torque)?;
@@ -71,7 +105,8 @@ impl Check {
                 if torque.iter().any(|p| p[1] < 0.0) {
                     return self.fail(field, "must not be negative; see regeneration".to_owned());
                 }
-                self.fraction("powertrain.engine.regeneration", *regeneration)
+                self.fraction("powertrain.engine.regeneration", *regeneration)?;
+                self.characteristic("powertrain.engine.voltage", voltage, [0.0, 1.0])
             }
         }
     }
@@ -212,6 +247,17 @@ mod tests {
         let v =
             with_engine("{type: electric, torque: [[0.0, 160.0], [503.7, 0.0]], inertia: 1.0e-4}").unwrap();
         assert!(matches!(v.powertrain.engine, Engine::Electric { regeneration: 0.0, .. }));
+        let motor = |voltage: &str| {
+            with_engine(&format!(
+                "{{type: electric, torque: [[0.0, 160.0], [503.7, 0.0]], voltage: {voltage}}}"
+            ))
+        };
+        assert!(motor("[[0.0, 0.0], [0.1, 0.0], [1.0, 1.0]]").is_ok());
+        let e = motor("[[0.0, 0.0], [1.0, 12.0]]").unwrap_err();
+        assert_eq!(
+            e,
+            "car.yaml: powertrain.engine.voltage: reaches 12; must reach 1 at one end and no more at the other"
+        );
         for (text, expected) in [
             ("{type: open}", Differential::Open {}),
             ("{type: locked}", Differential::Locked {}),

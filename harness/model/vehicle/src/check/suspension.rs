@@ -70,8 +70,9 @@ impl Check {
                 self.direction(&format!("{field}.axis"), *axis)?;
                 ("angle", *angle)
             }
-            SteeringGear::RotaryArm { pivot, axis, angle } => {
+            SteeringGear::RotaryArm { pivot, axis, angle, response } => {
                 self.finite(&format!("{field}.pivot"), pivot)?;
+                self.characteristic(&format!("{field}.response"), response, [-1.0, 1.0])?;
                 self.direction(&format!("{field}.axis"), *axis)?;
                 ("angle", *angle)
             }
@@ -449,6 +450,26 @@ mod tests {
             &[("  rate: 10.0 ", "  torque: 4000.0\n  rate: 10.0 ")],
             "steering.torque: 4000 given, but no axle is steered by a pitman arm or a rotary arm",
         );
+    }
+
+    #[test]
+    fn the_response_of_a_servo_goes_through_zero_from_one_end_of_the_command_to_the_other() {
+        for (response, expected) in [
+            ("[[-0.5, -1.0], [1.0, 1.0]]", "goes from -0.5 to 1; must go from -1 to 1"),
+            ("[[-1.0, 1.0], [1.0, -1.0]]", "second numbers must not fall, but -1 follows 1"),
+            ("[[-1.0, -1.0], [1.0, 0.5]]", "gives -0.25 at 0; must give 0"),
+            (
+                "[[-1.0, -0.5], [0.0, 0.0], [1.0, 0.5]]",
+                "reaches 0.5; must reach 1 at one end and no more at the other",
+            ),
+        ] {
+            let gear =
+                format!("steering: {{type: rotary_arm, pivot: [0, 0, 0], angle: 0.5, response: {response}}}");
+            refused(
+                &[("steering: {type: rack_and_pinion, travel: 0.0523598776}", &gear)],
+                &format!("axles[0].steering.response: {expected}"),
+            );
+        }
     }
 
     #[test]

@@ -24,8 +24,8 @@ pub(super) fn joints(gear: &SteeringGear, points: &[V3]) -> Result<Vec<Vec<V3>>,
             let command = command_at(k, COMMANDS);
             let pose = match gear {
                 SteeringGear::RackAndPinion { travel } => Pose::translation(0.0, -travel * command, 0.0),
-                SteeringGear::RotaryArm { pivot, axis, angle } => {
-                    about(&(*pivot).into(), &(*axis).into(), -angle * command)
+                SteeringGear::RotaryArm { pivot, axis, angle, .. } => {
+                    about(&(*pivot).into(), &(*axis).into(), -angle * gear.position(command))
                 }
                 SteeringGear::PitmanArm { angle, .. } => {
                     let locked = || LinkageError::SteeringLocked { command };

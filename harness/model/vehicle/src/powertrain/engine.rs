@@ -40,6 +40,7 @@ impl Engine {
     #[inline]
     #[must_use]
     pub fn torque_and_slopes(&self, speed: f64, throttle: f64) -> EngineTorque {
+        let (mut throttle, mut gain) = (throttle, 1.0);
         let ((full, full_slope), (closed, closed_slope)) = match self {
             Self::Map { full_throttle, closed_throttle, .. } => {
                 (interpolate(full_throttle, speed), interpolate(closed_throttle, speed))
@@ -47,7 +48,10 @@ impl Engine {
             Self::Simple { torque, power, max_speed, .. } => {
                 (simple(*torque, *power, *max_speed, speed), (0.0, 0.0))
             }
-            Self::Electric { torque, regeneration, friction, .. } => {
+            Self::Electric { torque, regeneration, friction, voltage, .. } => {
+                if !voltage.is_empty() {
+                    (throttle, gain) = interpolate(voltage, throttle);
+                }
                 // Armature with constant flux: torque ∝ (voltage − back-EMF), so shorted it brakes ∝ speed.
                 let (stall, no_load) = (torque[0][1], torque[torque.len() - 1][0]);
                 let slope = -regeneration * stall / no_load;
@@ -57,7 +61,7 @@ impl Engine {
         EngineTorque {
             torque: closed + (full - closed) * throttle,
             by_speed: closed_slope + (full_slope - closed_slope) * throttle,
-            by_throttle: full - closed,
+            by_throttle: (full - closed) * gain,
         }
     }
 }
@@ -100,6 +104,7 @@ mod tests {
             torque: vec![[0.0, 1.6], [503.702, 0.0]],
             regeneration,
             friction: 0.0,
+            voltage: Vec::new(),
             inertia: 0.0,
         };
         for (u, w) in [(1.0, 0.0), (1.0, 251.851), (0.3, 300.0), (0.0, 100.0)] {
@@ -112,10 +117,30 @@ mod tests {
             torque: vec![[0.0, 1.6], [503.702, 0.0]],
             regeneration: 0.0,
             friction: 0.02,
+            voltage: Vec::new(),
             inertia: 0.0,
         };
         assert_eq!([geared.torque(0.0, 0.0), geared.torque(200.0, 0.0)], [-0.02, -0.02]);
         assert_eq!(geared.torque(0.0, 1.0), 1.6);
+    }
+
+    #[test]
+    fn a_speed_controller_sets_the_voltage_of_the_motor() {
+        // At the voltage u a motor with T = T_stall (u − ω/ω₀) runs at u ω₀ without load.
+        let motor = Engine::Electric {
+            torque: vec![[0.0, 1.6], [500.0, 0.0]],
+            regeneration: 1.0,
+            friction: 0.0,
+            voltage: vec![[0.0, 0.0], [0.2, 0.0], [0.6, 0.25], [1.0, 1.0]],
+            inertia: 0.0,
+        };
+        for (throttle, voltage) in [(0.1, 0.0), (0.4, 0.125), (0.6, 0.25), (0.8, 0.625), (1.0, 1.0)] {
+            assert!(motor.torque(voltage * 500.0, throttle).abs() < 1e-12, "{throttle}");
+            assert!((motor.torque(0.0, throttle) - 1.6 * voltage).abs() < 1e-12, "{throttle}");
+        }
+        let law = motor.torque_and_slopes(100.0, 0.5);
+        let by_throttle = (motor.torque(100.0, 0.5 + 1e-6) - motor.torque(100.0, 0.5 - 1e-6)) / 2e-6;
+        assert!((law.by_throttle - by_throttle).abs() < 1e-6, "{} {by_throttle}", law.by_throttle);
     }
 
     #[test]

@@ -82,6 +82,10 @@ pub enum Engine {
         /// The torque of friction in motor and gears at throttle 0, N m. It also holds at rest.
         #[serde(default)]
         friction: f64,
+        /// The voltage at the motor over the throttle, both as fractions of the maximum, from \[0, 0\] to \[1, 1\]: the
+        /// characteristic of a speed controller. In proportion if absent.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        voltage: Vec<[f64; 2]>,
         /// The inertia of the rotor, kg m².
         #[serde(default)]
         inertia: f64,

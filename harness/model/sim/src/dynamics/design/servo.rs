@@ -21,13 +21,11 @@ impl Servo {
     pub(crate) fn new(spec: &VehicleSpec, inertia: f64) -> Option<Self> {
         let mut effort = None;
         for gear in spec.axles.iter().filter_map(|a| a.steering.as_ref()) {
-            let (limit, stroke) = match gear {
-                SteeringGear::RackAndPinion { travel } => (spec.steering.force?, *travel),
-                SteeringGear::PitmanArm { angle, .. } | SteeringGear::RotaryArm { angle, .. } => {
-                    (spec.steering.torque?, *angle)
-                }
+            let limit = match gear {
+                SteeringGear::RackAndPinion { .. } => spec.steering.force?,
+                SteeringGear::PitmanArm { .. } | SteeringGear::RotaryArm { .. } => spec.steering.torque?,
             };
-            effort = Some(effort.unwrap_or(0.0) + limit * stroke.abs());
+            effort = Some(effort.unwrap_or(0.0) + limit * gear.stroke());
         }
         effort.filter(|_| inertia > 0.0).map(|effort| Self { effort, inertia })
     }

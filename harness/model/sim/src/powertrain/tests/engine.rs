@@ -117,6 +117,7 @@ fn an_electric_vehicle_tops_out_at_the_no_load_speed() {
         torque: vec![[0.0, 1600.0], [503.702, 0.0]],
         regeneration: 0.0,
         friction: 0.0,
+        voltage: Vec::new(),
         inertia: 0.0,
     };
     v.powertrain.gearbox.ratios = vec![1.0 / 3.0];
