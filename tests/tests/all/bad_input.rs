@@ -216,7 +216,7 @@ fn a_damaged_suite_is_refused_with_file_field_and_value() {
     refused(&bench, &["suite", "validate", "./other"], BAD_INPUT, &["w001", "hash", "changed or damaged"]);
 }
 
-/// A world of 9 × 9 pixels in the original's layout (docs/worlds.md), made here.
+/// A world of 9 × 9 pixels in the original's layout (docs/making-suites.md), made here.
 struct Original {
     config: String,
     bitmap: Vec<u8>,
