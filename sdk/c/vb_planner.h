@@ -132,6 +132,11 @@ typedef struct vb_vehicle {
     double max_steer_rate;
     /* The turning radius of the reference point at full lock on flat ground, m. */
     double min_turn_radius;
+    /* The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m,
+     * driving at full lock; 0 for a vehicle that is not steered by the speeds of its sides. */
+    double effective_track;
+    /* The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place. */
+    double turn_rate_in_place;
     /* The top speed on flat ground, m/s. */
     double max_speed;
     /* The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear. */

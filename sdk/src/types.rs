@@ -114,6 +114,11 @@ pub struct Vehicle {
     pub max_steer_rate: f64,
     /// The turning radius of the reference point at full lock on flat ground, m.
     pub min_turn_radius: f64,
+    /// The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
+    /// full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+    pub effective_track: f64,
+    /// The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
+    pub turn_rate_in_place: f64,
     /// The top speed on flat ground, m/s.
     pub max_speed: f64,
     /// The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear.

@@ -350,7 +350,7 @@ void vertibench_planner_host_log(vertibench_planner_host_log_level_t level, plan
 __attribute__((__export_name__("vertibench:planner/guest@0.2.0#[static]planner.init")))
 uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uint8_t * arg) {
   vertibench_planner_types_option_height_map_t option;
-  switch ((int32_t) *((uint8_t*) (arg + (136+4*sizeof(void*))))) {
+  switch ((int32_t) *((uint8_t*) (arg + (152+4*sizeof(void*))))) {
     case 0: {
       option.is_some = false;
       break;
@@ -359,19 +359,19 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
       option.is_some = true;
       option.val = (vertibench_planner_types_height_map_t) {
         (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (144+4*sizeof(void*))))),
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (148+4*sizeof(void*))))),
-          (double) *((double*) (arg + (152+4*sizeof(void*)))),
-          (double) *((double*) (arg + (160+4*sizeof(void*)))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (160+4*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (164+4*sizeof(void*))))),
           (double) *((double*) (arg + (168+4*sizeof(void*)))),
+          (double) *((double*) (arg + (176+4*sizeof(void*)))),
+          (double) *((double*) (arg + (184+4*sizeof(void*)))),
         },
-        (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (176+4*sizeof(void*))))), (*((size_t*) (arg + (176+5*sizeof(void*))))) },
+        (planner_plugin_list_f32_t) (planner_plugin_list_f32_t) { (float*)(*((uint8_t **) (arg + (192+4*sizeof(void*))))), (*((size_t*) (arg + (192+5*sizeof(void*))))) },
       };
       break;
     }
   }
   vertibench_planner_types_option_label_map_t option0;
-  switch ((int32_t) *((uint8_t*) (arg + (176+6*sizeof(void*))))) {
+  switch ((int32_t) *((uint8_t*) (arg + (192+6*sizeof(void*))))) {
     case 0: {
       option0.is_some = false;
       break;
@@ -380,19 +380,19 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
       option0.is_some = true;
       option0.val = (vertibench_planner_types_label_map_t) {
         (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (184+6*sizeof(void*))))),
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (188+6*sizeof(void*))))),
-          (double) *((double*) (arg + (192+6*sizeof(void*)))),
-          (double) *((double*) (arg + (200+6*sizeof(void*)))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (200+6*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (204+6*sizeof(void*))))),
           (double) *((double*) (arg + (208+6*sizeof(void*)))),
+          (double) *((double*) (arg + (216+6*sizeof(void*)))),
+          (double) *((double*) (arg + (224+6*sizeof(void*)))),
         },
-        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (216+6*sizeof(void*))))), (*((size_t*) (arg + (216+7*sizeof(void*))))) },
+        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (232+6*sizeof(void*))))), (*((size_t*) (arg + (232+7*sizeof(void*))))) },
       };
       break;
     }
   }
   vertibench_planner_types_option_label_map_t option1;
-  switch ((int32_t) *((uint8_t*) (arg + (216+8*sizeof(void*))))) {
+  switch ((int32_t) *((uint8_t*) (arg + (232+8*sizeof(void*))))) {
     case 0: {
       option1.is_some = false;
       break;
@@ -401,19 +401,19 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
       option1.is_some = true;
       option1.val = (vertibench_planner_types_label_map_t) {
         (vertibench_planner_types_grid_frame_t) (vertibench_planner_types_grid_frame_t) {
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (224+8*sizeof(void*))))),
-          (uint32_t) (uint32_t) (*((int32_t*) (arg + (228+8*sizeof(void*))))),
-          (double) *((double*) (arg + (232+8*sizeof(void*)))),
-          (double) *((double*) (arg + (240+8*sizeof(void*)))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (240+8*sizeof(void*))))),
+          (uint32_t) (uint32_t) (*((int32_t*) (arg + (244+8*sizeof(void*))))),
           (double) *((double*) (arg + (248+8*sizeof(void*)))),
+          (double) *((double*) (arg + (256+8*sizeof(void*)))),
+          (double) *((double*) (arg + (264+8*sizeof(void*)))),
         },
-        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (256+8*sizeof(void*))))), (*((size_t*) (arg + (256+9*sizeof(void*))))) },
+        (planner_plugin_list_u8_t) (planner_plugin_list_u8_t) { (uint8_t*)(*((uint8_t **) (arg + (272+8*sizeof(void*))))), (*((size_t*) (arg + (272+9*sizeof(void*))))) },
       };
       break;
     }
   }
   vertibench_planner_types_option_lidar_info_t option2;
-  switch ((int32_t) *((uint8_t*) (arg + (344+16*sizeof(void*))))) {
+  switch ((int32_t) *((uint8_t*) (arg + (360+16*sizeof(void*))))) {
     case 0: {
       option2.is_some = false;
       break;
@@ -421,29 +421,29 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
     case 1: {
       option2.is_some = true;
       option2.val = (vertibench_planner_types_lidar_info_t) {
-        (double) *((double*) (arg + (352+16*sizeof(void*)))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (360+16*sizeof(void*))))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (364+16*sizeof(void*))))),
         (double) *((double*) (arg + (368+16*sizeof(void*)))),
-        (double) *((double*) (arg + (376+16*sizeof(void*)))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (376+16*sizeof(void*))))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (380+16*sizeof(void*))))),
         (double) *((double*) (arg + (384+16*sizeof(void*)))),
         (double) *((double*) (arg + (392+16*sizeof(void*)))),
+        (double) *((double*) (arg + (400+16*sizeof(void*)))),
+        (double) *((double*) (arg + (408+16*sizeof(void*)))),
         (vertibench_planner_types_mount_t) (vertibench_planner_types_mount_t) {
           (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
-            (double) *((double*) (arg + (400+16*sizeof(void*)))),
-            (double) *((double*) (arg + (408+16*sizeof(void*)))),
             (double) *((double*) (arg + (416+16*sizeof(void*)))),
+            (double) *((double*) (arg + (424+16*sizeof(void*)))),
+            (double) *((double*) (arg + (432+16*sizeof(void*)))),
           },
-          (double) *((double*) (arg + (424+16*sizeof(void*)))),
-          (double) *((double*) (arg + (432+16*sizeof(void*)))),
           (double) *((double*) (arg + (440+16*sizeof(void*)))),
+          (double) *((double*) (arg + (448+16*sizeof(void*)))),
+          (double) *((double*) (arg + (456+16*sizeof(void*)))),
         },
       };
       break;
     }
   }
   vertibench_planner_types_option_depth_info_t option3;
-  switch ((int32_t) *((uint8_t*) (arg + (448+16*sizeof(void*))))) {
+  switch ((int32_t) *((uint8_t*) (arg + (464+16*sizeof(void*))))) {
     case 0: {
       option3.is_some = false;
       break;
@@ -451,22 +451,22 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
     case 1: {
       option3.is_some = true;
       option3.val = (vertibench_planner_types_depth_info_t) {
-        (double) *((double*) (arg + (456+16*sizeof(void*)))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (464+16*sizeof(void*))))),
-        (uint32_t) (uint32_t) (*((int32_t*) (arg + (468+16*sizeof(void*))))),
         (double) *((double*) (arg + (472+16*sizeof(void*)))),
-        (double) *((double*) (arg + (480+16*sizeof(void*)))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (480+16*sizeof(void*))))),
+        (uint32_t) (uint32_t) (*((int32_t*) (arg + (484+16*sizeof(void*))))),
         (double) *((double*) (arg + (488+16*sizeof(void*)))),
-        (bool) (int32_t) *((uint8_t*) (arg + (496+16*sizeof(void*)))),
+        (double) *((double*) (arg + (496+16*sizeof(void*)))),
+        (double) *((double*) (arg + (504+16*sizeof(void*)))),
+        (bool) (int32_t) *((uint8_t*) (arg + (512+16*sizeof(void*)))),
         (vertibench_planner_types_mount_t) (vertibench_planner_types_mount_t) {
           (vertibench_planner_types_vec3_t) (vertibench_planner_types_vec3_t) {
-            (double) *((double*) (arg + (504+16*sizeof(void*)))),
-            (double) *((double*) (arg + (512+16*sizeof(void*)))),
             (double) *((double*) (arg + (520+16*sizeof(void*)))),
+            (double) *((double*) (arg + (528+16*sizeof(void*)))),
+            (double) *((double*) (arg + (536+16*sizeof(void*)))),
           },
-          (double) *((double*) (arg + (528+16*sizeof(void*)))),
-          (double) *((double*) (arg + (536+16*sizeof(void*)))),
           (double) *((double*) (arg + (544+16*sizeof(void*)))),
+          (double) *((double*) (arg + (552+16*sizeof(void*)))),
+          (double) *((double*) (arg + (560+16*sizeof(void*)))),
         },
       };
       break;
@@ -493,30 +493,32 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
       (double) *((double*) (arg + (112+4*sizeof(void*)))),
       (double) *((double*) (arg + (120+4*sizeof(void*)))),
       (double) *((double*) (arg + (128+4*sizeof(void*)))),
+      (double) *((double*) (arg + (136+4*sizeof(void*)))),
+      (double) *((double*) (arg + (144+4*sizeof(void*)))),
     },
     (vertibench_planner_types_option_height_map_t) option,
     (vertibench_planner_types_option_label_map_t) option0,
     (vertibench_planner_types_option_label_map_t) option1,
     (vertibench_planner_types_point2_t) (vertibench_planner_types_point2_t) {
-      (double) *((double*) (arg + (256+10*sizeof(void*)))),
-      (double) *((double*) (arg + (264+10*sizeof(void*)))),
+      (double) *((double*) (arg + (272+10*sizeof(void*)))),
+      (double) *((double*) (arg + (280+10*sizeof(void*)))),
     },
-    (vertibench_planner_types_list_point2_t) (vertibench_planner_types_list_point2_t) { (vertibench_planner_types_point2_t*)(*((uint8_t **) (arg + (272+10*sizeof(void*))))), (*((size_t*) (arg + (272+11*sizeof(void*))))) },
+    (vertibench_planner_types_list_point2_t) (vertibench_planner_types_list_point2_t) { (vertibench_planner_types_point2_t*)(*((uint8_t **) (arg + (288+10*sizeof(void*))))), (*((size_t*) (arg + (288+11*sizeof(void*))))) },
     (vertibench_planner_types_pose2_t) (vertibench_planner_types_pose2_t) {
-      (double) *((double*) (arg + (272+12*sizeof(void*)))),
-      (double) *((double*) (arg + (280+12*sizeof(void*)))),
       (double) *((double*) (arg + (288+12*sizeof(void*)))),
-    },
-    (vertibench_planner_types_point2_t) (vertibench_planner_types_point2_t) {
       (double) *((double*) (arg + (296+12*sizeof(void*)))),
       (double) *((double*) (arg + (304+12*sizeof(void*)))),
     },
-    (double) *((double*) (arg + (312+12*sizeof(void*)))),
-    (double) *((double*) (arg + (320+12*sizeof(void*)))),
+    (vertibench_planner_types_point2_t) (vertibench_planner_types_point2_t) {
+      (double) *((double*) (arg + (312+12*sizeof(void*)))),
+      (double) *((double*) (arg + (320+12*sizeof(void*)))),
+    },
     (double) *((double*) (arg + (328+12*sizeof(void*)))),
-    (uint64_t) (uint64_t) (*((int64_t*) (arg + (336+12*sizeof(void*))))),
-    (vertibench_planner_types_list_param_t) (vertibench_planner_types_list_param_t) { (vertibench_planner_types_param_t*)(*((uint8_t **) (arg + (344+12*sizeof(void*))))), (*((size_t*) (arg + (344+13*sizeof(void*))))) },
-    (planner_plugin_string_t) (planner_plugin_string_t) { (uint8_t*)(*((uint8_t **) (arg + (344+14*sizeof(void*))))), (*((size_t*) (arg + (344+15*sizeof(void*))))) },
+    (double) *((double*) (arg + (336+12*sizeof(void*)))),
+    (double) *((double*) (arg + (344+12*sizeof(void*)))),
+    (uint64_t) (uint64_t) (*((int64_t*) (arg + (352+12*sizeof(void*))))),
+    (vertibench_planner_types_list_param_t) (vertibench_planner_types_list_param_t) { (vertibench_planner_types_param_t*)(*((uint8_t **) (arg + (360+12*sizeof(void*))))), (*((size_t*) (arg + (360+13*sizeof(void*))))) },
+    (planner_plugin_string_t) (planner_plugin_string_t) { (uint8_t*)(*((uint8_t **) (arg + (360+14*sizeof(void*))))), (*((size_t*) (arg + (360+15*sizeof(void*))))) },
     (vertibench_planner_types_option_lidar_info_t) option2,
     (vertibench_planner_types_option_depth_info_t) option3,
   };

@@ -42,20 +42,20 @@ typedef struct vertibench_planner_types_pose2_t {
   double   yaw;
 } vertibench_planner_types_pose2_t;
 
-// The vehicle to be driven.
+// The vehicle of a task.
 typedef struct vertibench_planner_types_vehicle_t {
   // The name of the vehicle, e.g. `hmmwv`.
   planner_plugin_string_t   name;
-  // The size of the world over that of the full-size original: 1, 1/6 or 1/10.
+  // The scale of the world, relative to the full-size original: 1, 1/6 or 1/10.
   double   scale;
   // The mass of the whole vehicle, kg.
   double   mass;
-  // The length of what collides, hull and tyres, m.
+  // The length of the collision shape (hull and tyres), m.
   double   length;
-  // The width of what collides, hull and tyres with the wheels straight ahead but without mirrors, m. Half of it lies
-  // to each side of the centre line.
+  // The width of the collision shape (hull and tyres with the wheels straight ahead, without mirrors), m. The shape is
+  // symmetric to the centre line.
   double   width;
-  // The height of what collides above flat ground, m.
+  // The height of the collision shape above flat ground, m.
   double   height;
   // The distance between the first and the last axle, m.
   double   wheelbase;
@@ -63,32 +63,37 @@ typedef struct vertibench_planner_types_vehicle_t {
   double   track;
   // The radius of the wheels, m.
   double   wheel_radius;
-  // The number of wheels. Wheel data come from front to back, left before right.
+  // The number of wheels. Wheel data are ordered from front to back, left before right.
   uint32_t   wheels;
   // The height of the belly above flat ground, m.
   double   ground_clearance;
   // The road-wheel angle at full lock, rad: the mean of both wheels, to the side that steers less far.
   double   max_steer_angle;
-  // The greatest rate of the steering command, 1/s.
+  // The maximum rate of the steering command, 1/s.
   double   max_steer_rate;
   // The turning radius of the reference point at full lock on flat ground, m.
   double   min_turn_radius;
+  // The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
+  // full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+  double   effective_track;
+  // The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
+  double   turn_rate_in_place;
   // The top speed on flat ground, m/s.
   double   max_speed;
   // The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear.
   double   max_reverse_speed;
   // The speed below which the gearbox changes between forward and reverse, m/s.
   double   direction_change_speed;
-  // The time that such a change takes, during which no torque reaches the wheels, s.
+  // The duration of this change, during which no torque reaches the wheels, s.
   double   direction_change_time;
 } vertibench_planner_types_vehicle_t;
 
-// The places at which the samples of a map lie: sample (row, col) is at x = `origin-x` + col·`resolution`, y =
-// `origin-y` + row·`resolution`; row 0 is the southernmost.
+// The positions of a map's samples: sample (row, col) is at x = `origin-x` + col·`resolution`, y = `origin-y` +
+// row·`resolution`; row 0 is the southernmost.
 typedef struct vertibench_planner_types_grid_frame_t {
-  // The number of rows, which go from south to north.
+  // The number of rows, from south to north.
   uint32_t   rows;
-  // The number of columns, which go from west to east.
+  // The number of columns, from west to east.
   uint32_t   cols;
   // The distance between neighbouring samples, m.
   double   resolution;
@@ -129,38 +134,38 @@ typedef struct vertibench_planner_types_label_map_t {
 typedef struct vertibench_planner_types_param_t {
   // The name of the parameter.
   planner_plugin_string_t   key;
-  // The value of the parameter, as the user wrote it.
+  // The value of the parameter, as text.
   planner_plugin_string_t   value;
 } vertibench_planner_types_param_t;
 
-// The place and the attitude of a sensor on the vehicle.
+// The position and attitude of a sensor on the vehicle.
 typedef struct vertibench_planner_types_mount_t {
   // The position of the sensor in the body frame, m.
   vertibench_planner_types_vec3_t   position;
-  // The roll of the sensor against the body, rad.
+  // The roll of the sensor relative to the body, rad.
   double   roll;
-  // The pitch of the sensor against the body, rad, positive when it looks down.
+  // The pitch of the sensor relative to the body, rad, positive downwards.
   double   pitch;
-  // The yaw of the sensor against the body, rad, positive when it looks to the left.
+  // The yaw of the sensor relative to the body, rad, positive to the left.
   double   yaw;
 } vertibench_planner_types_mount_t;
 
 // The spinning lidar of the vehicle.
 typedef struct vertibench_planner_types_lidar_info_t {
-  // The time of one turn, which is that between two scans, s.
+  // The duration of a turn, which is the interval between scans, s.
   double   period;
-  // The number of beams, which are the rows of a scan, lowest first.
+  // The number of beams: the rows of a scan, lowest first.
   uint32_t   rows;
-  // The number of directions of a turn, which are the columns of a scan: column c looks at the azimuth
-  // −π + (c + 1/2) · 2π / `cols` in the sensor's frame, counter-clockwise from straight ahead.
+  // The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / `cols` in
+  // the sensor's frame, counter-clockwise from straight ahead.
   uint32_t   cols;
-  // The elevation angle of the lowest beam over the sensor's horizon, rad.
+  // The elevation angle of the lowest beam above the sensor's horizon, rad.
   double   lowest;
-  // The elevation angle of the highest beam, rad. The others lie at equal angles between the two.
+  // The elevation angle of the highest beam, rad. All beams have equal angular distances.
   double   highest;
-  // The least distance that it measures, m.
+  // The minimum measured distance, m.
   double   min_range;
-  // The greatest distance that it measures, m.
+  // The maximum measured distance, m.
   double   max_range;
   // The place of the sensor on the vehicle.
   vertibench_planner_types_mount_t   mount;
@@ -168,17 +173,17 @@ typedef struct vertibench_planner_types_lidar_info_t {
 
 // The depth camera of the vehicle, a pinhole camera with square pixels.
 typedef struct vertibench_planner_types_depth_info_t {
-  // The time between two images, s.
+  // The interval between images, s.
   double   period;
-  // The number of rows of an image, topmost first.
+  // The number of rows of an image, from top to bottom.
   uint32_t   rows;
-  // The number of columns of an image, leftmost first.
+  // The number of columns of an image, from left to right.
   uint32_t   cols;
   // The angle between the left and the right edge of an image, rad.
   double   field_of_view;
-  // The least depth that it measures, m.
+  // The minimum measured depth, m.
   double   min_depth;
-  // The greatest depth that it measures, m.
+  // The maximum measured depth, m.
   double   max_depth;
   // Whether the images have a label for each pixel.
   bool   labels;
@@ -216,47 +221,47 @@ typedef struct {
   vertibench_planner_types_depth_info_t val;
 } vertibench_planner_types_option_depth_info_t;
 
-// What a planner is told at the start of a task.
+// The data for a planner at the start of a task.
 typedef struct vertibench_planner_types_task_t {
   // The name of the task within the suite, e.g. `w003/t07`.
   planner_plugin_string_t   id;
-  // The vehicle to be driven.
+  // The vehicle.
   vertibench_planner_types_vehicle_t   vehicle;
-  // The heights of the ground, m, as far as the perception profile gives them; absent if it gives none.
+  // The heights of the ground that the perception profile provides, m; absent if it provides none.
   vertibench_planner_types_option_height_map_t   elevation;
-  // The kinds of ground, as far as the perception profile gives them: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel,
-  // 5 rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it gives none.
+  // The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock,
+  // 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none.
   vertibench_planner_types_option_label_map_t   semantics;
-  // The obstacles, as far as the perception profile gives them: 1 where any part of the sample's square is covered by
-  // an obstacle, else 0; absent if it gives none.
+  // The obstacles that the perception profile provides: 1 where an obstacle covers any part of the sample's square,
+  // otherwise 0; absent if it provides none.
   vertibench_planner_types_option_label_map_t   occupancy;
-  // Half of the world's extent along x and y, m: the vehicle must stay between −x and x, −y and y.
+  // Half of the world's extent along x and y, m. The vehicle must stay between −x and x, and between −y and y.
   vertibench_planner_types_point2_t   half_extent;
   // The global path, from the start to the goal.
   vertibench_planner_types_list_point2_t   path;
-  // The pose from which the vehicle starts, at rest.
+  // The pose of the vehicle at the start, at rest.
   vertibench_planner_types_pose2_t   start;
-  // The point to which the vehicle must go.
+  // The goal.
   vertibench_planner_types_point2_t   goal;
-  // The distance from the goal within which the task is done, m.
+  // The maximum distance from the goal at which the task is completed, m.
   double   goal_radius;
   // The time limit, s.
   double   time_limit;
-  // The time between two calls of `step`, s.
+  // The interval between calls of `step`, s.
   double   control_period;
-  // The seed for the planner's own randomness: the same in every run of this task with the same run seed.
+  // The seed of the planner's randomness. It depends only on the task and the seed of the run.
   uint64_t   seed;
-  // All parameters that the planner declares, with the user's values or the defaults.
+  // All declared parameters of the planner, with the user's values or the defaults.
   vertibench_planner_types_list_param_t   params;
   // The name of the perception profile, e.g. `oracle`.
   planner_plugin_string_t   perception;
-  // The lidar; absent if the planner doesn't ask for it.
+  // The lidar; absent if the planner doesn't request it.
   vertibench_planner_types_option_lidar_info_t   lidar;
-  // The depth camera; absent if the planner doesn't ask for it.
+  // The depth camera; absent if the planner doesn't request it.
   vertibench_planner_types_option_depth_info_t   depth;
 } vertibench_planner_types_task_t;
 
-// An estimate of the vehicle's state, as the perception profile lets it be: the truth under `oracle`.
+// An estimate of the vehicle's state, with the errors of the perception profile: exact under `oracle`.
 typedef struct vertibench_planner_types_pose_t {
   // The position of the vehicle's reference point in the world frame, m.
   vertibench_planner_types_vec3_t   position;
@@ -272,7 +277,7 @@ typedef struct vertibench_planner_types_pose_t {
   vertibench_planner_types_vec3_t   angular_velocity;
 } vertibench_planner_types_pose_t;
 
-// The state of one wheel, as its sensors measure it.
+// The measured state of a wheel.
 typedef struct vertibench_planner_types_wheel_t {
   // The angular velocity of the wheel about its axle, rad/s, positive when rolling forward.
   double   spin;
@@ -280,18 +285,18 @@ typedef struct vertibench_planner_types_wheel_t {
   double   travel;
 } vertibench_planner_types_wheel_t;
 
-// One measurement of the inertial measurement unit.
+// A measurement of the inertial measurement unit.
 typedef struct vertibench_planner_types_imu_sample_t {
   // The simulated time of the measurement, s.
   double   time;
-  // The specific force at the vehicle's reference point in body axes, m/s²: the acceleration less that of gravity, so
+  // The specific force at the vehicle's reference point in body axes, m/s²: the acceleration minus that of gravity,
   // +9.81 along z at rest.
   vertibench_planner_types_vec3_t   specific_force;
   // The angular velocity in body axes, rad/s.
   vertibench_planner_types_vec3_t   angular_velocity;
 } vertibench_planner_types_imu_sample_t;
 
-// A position from satellites.
+// A GNSS position.
 typedef struct vertibench_planner_types_gnss_fix_t {
   // The simulated time of the measurement, s.
   double   time;
@@ -299,43 +304,43 @@ typedef struct vertibench_planner_types_gnss_fix_t {
   vertibench_planner_types_vec3_t   position;
 } vertibench_planner_types_gnss_fix_t;
 
-// One turn of the lidar.
+// A turn of the lidar.
 typedef struct vertibench_planner_types_lidar_scan_t {
   // The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
   // while the vehicle moved.
   double   time;
-  // The `rows` · `cols` measured distances, m, row-major; 0 where nothing came back.
+  // The `rows` · `cols` measured distances, m, row-major; 0 without an echo.
   planner_plugin_list_f32_t   ranges;
 } vertibench_planner_types_lidar_scan_t;
 
-// One image of the depth camera.
+// An image of the depth camera.
 typedef struct vertibench_planner_types_depth_image_t {
   // The simulated time of the image, s.
   double   time;
-  // The `rows` · `cols` depths along the camera's axis, m, row-major; 0 where nothing was measured.
+  // The `rows` · `cols` depths along the camera's axis, m, row-major; 0 without a measurement.
   planner_plugin_list_f32_t   depths;
-  // The kinds of ground that the pixels are recognised as, with the numbers of the task's `semantics`, 10 for an
-  // obstacle, and 255 where nothing was measured; empty if the camera has no labels.
+  // The recognised terrain classes of the pixels, with the numbers of the task's `semantics`, 10 for an obstacle, and
+  // 255 without a measurement; empty if the camera has no labels.
   planner_plugin_list_u8_t   labels;
 } vertibench_planner_types_depth_image_t;
 
-// The map of the vehicle's surroundings that is built from lidar and depth camera at the estimated pose. Its axes are
-// those of the world frame as far as the estimate is right, and the vehicle is in its middle.
+// The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in its
+// middle, and its axes are those of the world frame, up to the error of the estimate.
 typedef struct vertibench_planner_types_local_map_t {
-  // The simulated time at which the map was last brought up to date, s.
+  // The simulated time of the last update, s.
   double   time;
-  // The heights of the ground, m; NaN where it has not been seen.
+  // The heights of the ground, m; NaN where they are unknown.
   vertibench_planner_types_height_map_t   elevation;
-  // The kinds of ground, with the numbers of the task's `semantics`; 255 where it has not been seen, or isn't known.
+  // The terrain classes, with the numbers of the task's `semantics`; 255 where they are unknown.
   vertibench_planner_types_label_map_t   semantics;
-  // 1 where an obstacle was seen, 0 where ground was seen, and 255 where nothing was.
+  // 1 for obstacles, 0 for ground, 255 where it is unknown.
   vertibench_planner_types_label_map_t   occupancy;
 } vertibench_planner_types_local_map_t;
 
-// The direction of travel that the gearbox is in.
+// The gear of the vehicle, which determines the direction of travel.
 typedef uint8_t vertibench_planner_types_gear_t;
 
-// One of the forward gears; the gearbox chooses which.
+// A forward gear, chosen by the gearbox.
 #define VERTIBENCH_PLANNER_TYPES_GEAR_FORWARD 0
 // The engine is uncoupled.
 #define VERTIBENCH_PLANNER_TYPES_GEAR_NEUTRAL 1
@@ -377,8 +382,8 @@ typedef struct {
   vertibench_planner_types_local_map_t val;
 } vertibench_planner_types_option_local_map_t;
 
-// What a planner sees every control period: what its sensors have measured since the last one. A sensor that the
-// planner doesn't ask for, or that has measured nothing since, is absent.
+// The observation of a control period: the measurements since the previous one. A sensor is absent if the planner
+// doesn't request it, or if it has no new measurement.
 typedef struct vertibench_planner_types_observation_t {
   // The simulated time since the start, s.
   double   time;
@@ -388,7 +393,7 @@ typedef struct vertibench_planner_types_observation_t {
   vertibench_planner_types_list_wheel_t   wheels;
   // The measurements of the inertial measurement unit (`imu`), oldest first.
   vertibench_planner_types_list_imu_sample_t   imu;
-  // The last position from satellites (`gnss`).
+  // The last GNSS position (`gnss`).
   vertibench_planner_types_option_gnss_fix_t   gnss;
   // The last turn of the lidar (`lidar`).
   vertibench_planner_types_option_lidar_scan_t   lidar;
@@ -396,12 +401,11 @@ typedef struct vertibench_planner_types_observation_t {
   vertibench_planner_types_option_depth_image_t   depth;
   // The map of the surroundings (`local-map`).
   vertibench_planner_types_option_local_map_t   local_map;
-  // The gear that is in: neutral while a change of direction takes its time.
+  // The engaged gear; neutral during a change of direction.
   vertibench_planner_types_gear_t   gear;
-  // The speed of the engine, rad/s.
+  // The engine speed, rad/s.
   double   engine_speed;
-  // The steering that the wheels have now, which follows the command at `max-steer-rate`, in [-1, 1], positive to the
-  // left.
+  // The present steering of the wheels, which follows the command at `max-steer-rate`, in [-1, 1], positive to the left.
   double   steering;
   // The steering command applied until now, after clamping; 0 at first.
   double   last_steering;
@@ -411,9 +415,9 @@ typedef struct vertibench_planner_types_observation_t {
   double   last_brake;
 } vertibench_planner_types_observation_t;
 
-// Numbers that the harness records beside the trajectory, e.g. a sampled trajectory or a cost.
+// Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost.
 typedef struct vertibench_planner_types_series_t {
-  // The name of the series, which stays the same over a task.
+  // The name of the series, constant over a task.
   planner_plugin_string_t   name;
   // The values of the series.
   planner_plugin_list_f32_t   values;
@@ -433,22 +437,22 @@ typedef struct vertibench_planner_types_command_t {
   // The brake, in [0, 1].
   double   brake;
   // The direction of travel. A change between forward and reverse waits until the vehicle is slower than
-  // `direction-change-speed`, with the throttle closed; brake to bring that about.
+  // `direction-change-speed`, with the throttle closed; brake to slow down.
   vertibench_planner_types_gear_t   gear;
-  // Series that are recorded beside the trajectory and drawn by `vb-harness replay`. Leave this empty in normal runs.
+  // Series that are recorded with the trajectory and drawn by `vb-harness replay`. Leave this empty in normal runs.
   vertibench_planner_types_list_series_t   debug;
 } vertibench_planner_types_command_t;
 
-// How much a line of the log matters.
+// The severity of a log line.
 typedef uint8_t vertibench_planner_types_log_level_t;
 
-// Something went wrong.
+// A failure.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_ERROR 0
-// Something may go wrong.
+// A possible problem.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_WARN 1
-// What the planner does.
+// An action of the planner.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_INFO 2
-// What only the planner's author wants to know.
+// A detail for the planner's author.
 #define VERTIBENCH_PLANNER_TYPES_LOG_LEVEL_DEBUG 3
 
 typedef vertibench_planner_types_log_level_t vertibench_planner_host_log_level_t;

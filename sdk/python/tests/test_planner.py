@@ -31,7 +31,7 @@ def grid(data):
 VEHICLE = {
     "name": "v", "scale": 1.0, "mass": 1.0, "length": 1.0, "width": 1.0, "height": 1.0, "wheelbase": 3.0, "track": 1.0,
     "wheel_radius": 0.5, "wheels": 4, "ground_clearance": 0.3, "max_steer_angle": 0.5, "max_steer_rate": 1.0,
-    "min_turn_radius": 7.0, "max_speed": 30.0, "max_reverse_speed": 5.0, "direction_change_speed": 0.5,
+    "min_turn_radius": 7.0, "effective_track": 0.0, "turn_rate_in_place": 0.0, "max_speed": 30.0, "max_reverse_speed": 5.0, "direction_change_speed": 0.5,
     "direction_change_time": 0.6, "later": "ignored",
 }  # fmt: skip
 TASK = {

@@ -41,8 +41,10 @@ impl BicycleState {
 /// A kinematic bicycle. Its commands are the steering (−1 to 1, positive to the left) and the speed (m/s).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bicycle {
-    /// The curvature of the reference point's path at full lock, 1/m.
+    /// The curvature of the reference point's path at full lock, 1/m, without what turning in place adds.
     pub curvature: f32,
+    /// The yaw rate at full lock and standstill, rad/s: 0 but for vehicles that turn in place.
+    pub turn_rate_in_place: f32,
     /// The greatest rate of the steering, 1/s.
     pub steer_rate: f32,
     /// The time constant with which the speed follows its command, s.
@@ -52,13 +54,16 @@ pub struct Bicycle {
 }
 
 impl Bicycle {
-    /// The bicycle with the turning radius and the steering rate of this vehicle. Its lag, half a second at full size,
+    /// The bicycle with the turning radius, the rate of turning in place and the steering rate of this vehicle. Its lag, half a second at full size,
     /// and its acceleration of 3 m/s² are typical of a speed controller with a gain of 1 s/m. By Froude's rule the lag
     /// grows with the square root of the vehicle's scale, while the acceleration is the same at any scale.
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
+        // Together they make the turning radius at nine tenths of the top speed, near which skid steering's is told.
+        let in_place = vehicle.turn_rate_in_place / (0.9 * vehicle.max_speed);
         Self {
-            curvature: (1.0 / vehicle.min_turn_radius) as f32,
+            curvature: (1.0 / vehicle.min_turn_radius - in_place) as f32,
+            turn_rate_in_place: vehicle.turn_rate_in_place as f32,
             steer_rate: vehicle.max_steer_rate as f32,
             lag: (0.5 * vehicle.scale.sqrt()) as f32,
             acceleration: 3.0,
@@ -73,11 +78,12 @@ impl Model<2> for Bicycle {
         let most = self.steer_rate * dt;
         let gain = (dt / self.lag).min(1.0);
         let change = self.acceleration * dt;
+        let spin = self.turn_rate_in_place * dt;
         for l in 0..LANES {
             s.steering[l] += (steering[l] - s.steering[l]).clamp(-most, most);
             s.speed[l] += (gain * (speed[l] - s.speed[l])).clamp(-change, change);
             let way = s.speed[l] * dt;
-            let turn = way * self.curvature * s.steering[l];
+            let turn = (way * self.curvature + spin) * s.steering[l];
             // The heading turns as a vector, by a small angle to the third order, and is brought back to length 1 by one
             // step of Newton's; the vehicle moves along the heading of the middle of the step.
             let (half, square) = (0.5 * turn, turn * turn);

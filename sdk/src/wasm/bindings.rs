@@ -114,6 +114,11 @@ pub mod vertibench {
                 pub max_steer_rate: f64,
                 /// The turning radius of the reference point at full lock on flat ground, m.
                 pub min_turn_radius: f64,
+                /// The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
+                /// full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+                pub effective_track: f64,
+                /// The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
+                pub turn_rate_in_place: f64,
                 /// The top speed on flat ground, m/s.
                 pub max_speed: f64,
                 /// The top speed in reverse on flat ground, m/s; 0 for a vehicle without a reverse gear.
@@ -143,6 +148,8 @@ pub mod vertibench {
                         .field("max-steer-angle", &self.max_steer_angle)
                         .field("max-steer-rate", &self.max_steer_rate)
                         .field("min-turn-radius", &self.min_turn_radius)
+                        .field("effective-track", &self.effective_track)
+                        .field("turn-rate-in-place", &self.turn_rate_in_place)
                         .field("max-speed", &self.max_speed)
                         .field("max-reverse-speed", &self.max_reverse_speed)
                         .field("direction-change-speed", &self.direction_change_speed)
@@ -943,7 +950,7 @@ pub mod exports {
                 ) -> *mut u8 {
                     unsafe {
                         #[cfg(target_arch = "wasm32")] _rt::run_ctors_once();
-                        let result104 = {
+                        let result106 = {
                             let l0 = *arg0.add(0).cast::<*mut u8>();
                             let l1 = *arg0
                                 .add(::core::mem::size_of::<*const u8>())
@@ -1009,40 +1016,40 @@ pub mod exports {
                             let l22 = *arg0
                                 .add(128 + 4 * ::core::mem::size_of::<*const u8>())
                                 .cast::<f64>();
-                            let l23 = i32::from(
-                                *arg0
-                                    .add(136 + 4 * ::core::mem::size_of::<*const u8>())
-                                    .cast::<u8>(),
-                            );
-                            let l32 = i32::from(
-                                *arg0
-                                    .add(176 + 6 * ::core::mem::size_of::<*const u8>())
-                                    .cast::<u8>(),
-                            );
-                            let l41 = i32::from(
-                                *arg0
-                                    .add(216 + 8 * ::core::mem::size_of::<*const u8>())
-                                    .cast::<u8>(),
-                            );
-                            let l50 = *arg0
-                                .add(256 + 10 * ::core::mem::size_of::<*const u8>())
+                            let l23 = *arg0
+                                .add(136 + 4 * ::core::mem::size_of::<*const u8>())
                                 .cast::<f64>();
-                            let l51 = *arg0
-                                .add(264 + 10 * ::core::mem::size_of::<*const u8>())
+                            let l24 = *arg0
+                                .add(144 + 4 * ::core::mem::size_of::<*const u8>())
                                 .cast::<f64>();
+                            let l25 = i32::from(
+                                *arg0
+                                    .add(152 + 4 * ::core::mem::size_of::<*const u8>())
+                                    .cast::<u8>(),
+                            );
+                            let l34 = i32::from(
+                                *arg0
+                                    .add(192 + 6 * ::core::mem::size_of::<*const u8>())
+                                    .cast::<u8>(),
+                            );
+                            let l43 = i32::from(
+                                *arg0
+                                    .add(232 + 8 * ::core::mem::size_of::<*const u8>())
+                                    .cast::<u8>(),
+                            );
                             let l52 = *arg0
                                 .add(272 + 10 * ::core::mem::size_of::<*const u8>())
-                                .cast::<*mut u8>();
+                                .cast::<f64>();
                             let l53 = *arg0
-                                .add(272 + 11 * ::core::mem::size_of::<*const u8>())
-                                .cast::<usize>();
-                            let len54 = l53;
+                                .add(280 + 10 * ::core::mem::size_of::<*const u8>())
+                                .cast::<f64>();
+                            let l54 = *arg0
+                                .add(288 + 10 * ::core::mem::size_of::<*const u8>())
+                                .cast::<*mut u8>();
                             let l55 = *arg0
-                                .add(272 + 12 * ::core::mem::size_of::<*const u8>())
-                                .cast::<f64>();
-                            let l56 = *arg0
-                                .add(280 + 12 * ::core::mem::size_of::<*const u8>())
-                                .cast::<f64>();
+                                .add(288 + 11 * ::core::mem::size_of::<*const u8>())
+                                .cast::<usize>();
+                            let len56 = l55;
                             let l57 = *arg0
                                 .add(288 + 12 * ::core::mem::size_of::<*const u8>())
                                 .cast::<f64>();
@@ -1063,74 +1070,80 @@ pub mod exports {
                                 .cast::<f64>();
                             let l63 = *arg0
                                 .add(336 + 12 * ::core::mem::size_of::<*const u8>())
-                                .cast::<i64>();
+                                .cast::<f64>();
                             let l64 = *arg0
                                 .add(344 + 12 * ::core::mem::size_of::<*const u8>())
-                                .cast::<*mut u8>();
+                                .cast::<f64>();
                             let l65 = *arg0
-                                .add(344 + 13 * ::core::mem::size_of::<*const u8>())
+                                .add(352 + 12 * ::core::mem::size_of::<*const u8>())
+                                .cast::<i64>();
+                            let l66 = *arg0
+                                .add(360 + 12 * ::core::mem::size_of::<*const u8>())
+                                .cast::<*mut u8>();
+                            let l67 = *arg0
+                                .add(360 + 13 * ::core::mem::size_of::<*const u8>())
                                 .cast::<usize>();
-                            let base72 = l64;
-                            let len72 = l65;
-                            let mut result72 = _rt::Vec::with_capacity(len72);
-                            for i in 0..len72 {
-                                let base = base72
+                            let base74 = l66;
+                            let len74 = l67;
+                            let mut result74 = _rt::Vec::with_capacity(len74);
+                            for i in 0..len74 {
+                                let base = base74
                                     .add(i * (4 * ::core::mem::size_of::<*const u8>()));
-                                let e72 = {
-                                    let l66 = *base.add(0).cast::<*mut u8>();
-                                    let l67 = *base
+                                let e74 = {
+                                    let l68 = *base.add(0).cast::<*mut u8>();
+                                    let l69 = *base
                                         .add(::core::mem::size_of::<*const u8>())
                                         .cast::<usize>();
-                                    let len68 = l67;
-                                    let bytes68 = _rt::Vec::from_raw_parts(
-                                        l66.cast(),
-                                        len68,
-                                        len68,
+                                    let len70 = l69;
+                                    let bytes70 = _rt::Vec::from_raw_parts(
+                                        l68.cast(),
+                                        len70,
+                                        len70,
                                     );
-                                    let l69 = *base
+                                    let l71 = *base
                                         .add(2 * ::core::mem::size_of::<*const u8>())
                                         .cast::<*mut u8>();
-                                    let l70 = *base
+                                    let l72 = *base
                                         .add(3 * ::core::mem::size_of::<*const u8>())
                                         .cast::<usize>();
-                                    let len71 = l70;
-                                    let bytes71 = _rt::Vec::from_raw_parts(
-                                        l69.cast(),
-                                        len71,
-                                        len71,
+                                    let len73 = l72;
+                                    let bytes73 = _rt::Vec::from_raw_parts(
+                                        l71.cast(),
+                                        len73,
+                                        len73,
                                     );
                                     super::super::super::super::vertibench::planner::types::Param {
-                                        key: _rt::string_lift(bytes68),
-                                        value: _rt::string_lift(bytes71),
+                                        key: _rt::string_lift(bytes70),
+                                        value: _rt::string_lift(bytes73),
                                     }
                                 };
-                                result72.push(e72);
+                                result74.push(e74);
                             }
                             _rt::cabi_dealloc(
-                                base72,
-                                len72 * (4 * ::core::mem::size_of::<*const u8>()),
+                                base74,
+                                len74 * (4 * ::core::mem::size_of::<*const u8>()),
                                 ::core::mem::size_of::<*const u8>(),
                             );
-                            let l73 = *arg0
-                                .add(344 + 14 * ::core::mem::size_of::<*const u8>())
+                            let l75 = *arg0
+                                .add(360 + 14 * ::core::mem::size_of::<*const u8>())
                                 .cast::<*mut u8>();
-                            let l74 = *arg0
-                                .add(344 + 15 * ::core::mem::size_of::<*const u8>())
+                            let l76 = *arg0
+                                .add(360 + 15 * ::core::mem::size_of::<*const u8>())
                                 .cast::<usize>();
-                            let len75 = l74;
-                            let bytes75 = _rt::Vec::from_raw_parts(
-                                l73.cast(),
-                                len75,
-                                len75,
+                            let len77 = l76;
+                            let bytes77 = _rt::Vec::from_raw_parts(
+                                l75.cast(),
+                                len77,
+                                len77,
                             );
-                            let l76 = i32::from(
+                            let l78 = i32::from(
                                 *arg0
-                                    .add(344 + 16 * ::core::mem::size_of::<*const u8>())
+                                    .add(360 + 16 * ::core::mem::size_of::<*const u8>())
                                     .cast::<u8>(),
                             );
-                            let l90 = i32::from(
+                            let l92 = i32::from(
                                 *arg0
-                                    .add(448 + 16 * ::core::mem::size_of::<*const u8>())
+                                    .add(464 + 16 * ::core::mem::size_of::<*const u8>())
                                     .cast::<u8>(),
                             );
                             T_::init(super::super::super::super::vertibench::planner::types::Task {
@@ -1150,134 +1163,136 @@ pub mod exports {
                                     max_steer_angle: l16,
                                     max_steer_rate: l17,
                                     min_turn_radius: l18,
-                                    max_speed: l19,
-                                    max_reverse_speed: l20,
-                                    direction_change_speed: l21,
-                                    direction_change_time: l22,
+                                    effective_track: l19,
+                                    turn_rate_in_place: l20,
+                                    max_speed: l21,
+                                    max_reverse_speed: l22,
+                                    direction_change_speed: l23,
+                                    direction_change_time: l24,
                                 },
-                                elevation: match l23 {
+                                elevation: match l25 {
                                     0 => None,
                                     1 => {
                                         let e = {
-                                            let l24 = *arg0
-                                                .add(144 + 4 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
-                                            let l25 = *arg0
-                                                .add(148 + 4 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
                                             let l26 = *arg0
-                                                .add(152 + 4 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
-                                            let l27 = *arg0
                                                 .add(160 + 4 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                                .cast::<i32>();
+                                            let l27 = *arg0
+                                                .add(164 + 4 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<i32>();
                                             let l28 = *arg0
                                                 .add(168 + 4 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
                                             let l29 = *arg0
                                                 .add(176 + 4 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<*mut u8>();
+                                                .cast::<f64>();
                                             let l30 = *arg0
-                                                .add(176 + 5 * ::core::mem::size_of::<*const u8>())
+                                                .add(184 + 4 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
+                                            let l31 = *arg0
+                                                .add(192 + 4 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<*mut u8>();
+                                            let l32 = *arg0
+                                                .add(192 + 5 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<usize>();
-                                            let len31 = l30;
+                                            let len33 = l32;
                                             super::super::super::super::vertibench::planner::types::HeightMap {
                                                 frame: super::super::super::super::vertibench::planner::types::GridFrame {
-                                                    rows: l24 as u32,
-                                                    cols: l25 as u32,
-                                                    resolution: l26,
-                                                    origin_x: l27,
-                                                    origin_y: l28,
+                                                    rows: l26 as u32,
+                                                    cols: l27 as u32,
+                                                    resolution: l28,
+                                                    origin_x: l29,
+                                                    origin_y: l30,
                                                 },
                                                 data: <_ as From<
                                                     _rt::Vec<_>,
-                                                >>::from(_rt::Vec::from_raw_parts(l29.cast(), len31, len31)),
+                                                >>::from(_rt::Vec::from_raw_parts(l31.cast(), len33, len33)),
                                             }
                                         };
                                         Some(e)
                                     }
                                     _ => _rt::invalid_enum_discriminant(),
                                 },
-                                semantics: match l32 {
+                                semantics: match l34 {
                                     0 => None,
                                     1 => {
                                         let e = {
-                                            let l33 = *arg0
-                                                .add(184 + 6 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
-                                            let l34 = *arg0
-                                                .add(188 + 6 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
                                             let l35 = *arg0
-                                                .add(192 + 6 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
-                                            let l36 = *arg0
                                                 .add(200 + 6 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                                .cast::<i32>();
+                                            let l36 = *arg0
+                                                .add(204 + 6 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<i32>();
                                             let l37 = *arg0
                                                 .add(208 + 6 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
                                             let l38 = *arg0
                                                 .add(216 + 6 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<*mut u8>();
+                                                .cast::<f64>();
                                             let l39 = *arg0
-                                                .add(216 + 7 * ::core::mem::size_of::<*const u8>())
+                                                .add(224 + 6 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
+                                            let l40 = *arg0
+                                                .add(232 + 6 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<*mut u8>();
+                                            let l41 = *arg0
+                                                .add(232 + 7 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<usize>();
-                                            let len40 = l39;
+                                            let len42 = l41;
                                             super::super::super::super::vertibench::planner::types::LabelMap {
                                                 frame: super::super::super::super::vertibench::planner::types::GridFrame {
-                                                    rows: l33 as u32,
-                                                    cols: l34 as u32,
-                                                    resolution: l35,
-                                                    origin_x: l36,
-                                                    origin_y: l37,
+                                                    rows: l35 as u32,
+                                                    cols: l36 as u32,
+                                                    resolution: l37,
+                                                    origin_x: l38,
+                                                    origin_y: l39,
                                                 },
                                                 data: <_ as From<
                                                     _rt::Vec<_>,
-                                                >>::from(_rt::Vec::from_raw_parts(l38.cast(), len40, len40)),
+                                                >>::from(_rt::Vec::from_raw_parts(l40.cast(), len42, len42)),
                                             }
                                         };
                                         Some(e)
                                     }
                                     _ => _rt::invalid_enum_discriminant(),
                                 },
-                                occupancy: match l41 {
+                                occupancy: match l43 {
                                     0 => None,
                                     1 => {
                                         let e = {
-                                            let l42 = *arg0
-                                                .add(224 + 8 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
-                                            let l43 = *arg0
-                                                .add(228 + 8 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
                                             let l44 = *arg0
-                                                .add(232 + 8 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
-                                            let l45 = *arg0
                                                 .add(240 + 8 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                                .cast::<i32>();
+                                            let l45 = *arg0
+                                                .add(244 + 8 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<i32>();
                                             let l46 = *arg0
                                                 .add(248 + 8 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
                                             let l47 = *arg0
                                                 .add(256 + 8 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<*mut u8>();
+                                                .cast::<f64>();
                                             let l48 = *arg0
-                                                .add(256 + 9 * ::core::mem::size_of::<*const u8>())
+                                                .add(264 + 8 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
+                                            let l49 = *arg0
+                                                .add(272 + 8 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<*mut u8>();
+                                            let l50 = *arg0
+                                                .add(272 + 9 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<usize>();
-                                            let len49 = l48;
+                                            let len51 = l50;
                                             super::super::super::super::vertibench::planner::types::LabelMap {
                                                 frame: super::super::super::super::vertibench::planner::types::GridFrame {
-                                                    rows: l42 as u32,
-                                                    cols: l43 as u32,
-                                                    resolution: l44,
-                                                    origin_x: l45,
-                                                    origin_y: l46,
+                                                    rows: l44 as u32,
+                                                    cols: l45 as u32,
+                                                    resolution: l46,
+                                                    origin_x: l47,
+                                                    origin_y: l48,
                                                 },
                                                 data: <_ as From<
                                                     _rt::Vec<_>,
-                                                >>::from(_rt::Vec::from_raw_parts(l47.cast(), len49, len49)),
+                                                >>::from(_rt::Vec::from_raw_parts(l49.cast(), len51, len51)),
                                             }
                                         };
                                         Some(e)
@@ -1285,48 +1300,42 @@ pub mod exports {
                                     _ => _rt::invalid_enum_discriminant(),
                                 },
                                 half_extent: super::super::super::super::vertibench::planner::types::Point2 {
-                                    x: l50,
-                                    y: l51,
+                                    x: l52,
+                                    y: l53,
                                 },
                                 path: <_ as From<
                                     _rt::Vec<_>,
                                 >>::from(
-                                    _rt::Vec::from_raw_parts(l52.cast(), len54, len54),
+                                    _rt::Vec::from_raw_parts(l54.cast(), len56, len56),
                                 ),
                                 start: super::super::super::super::vertibench::planner::types::Pose2 {
-                                    x: l55,
-                                    y: l56,
-                                    yaw: l57,
+                                    x: l57,
+                                    y: l58,
+                                    yaw: l59,
                                 },
                                 goal: super::super::super::super::vertibench::planner::types::Point2 {
-                                    x: l58,
-                                    y: l59,
+                                    x: l60,
+                                    y: l61,
                                 },
-                                goal_radius: l60,
-                                time_limit: l61,
-                                control_period: l62,
-                                seed: l63 as u64,
-                                params: result72,
-                                perception: _rt::string_lift(bytes75),
-                                lidar: match l76 {
+                                goal_radius: l62,
+                                time_limit: l63,
+                                control_period: l64,
+                                seed: l65 as u64,
+                                params: result74,
+                                perception: _rt::string_lift(bytes77),
+                                lidar: match l78 {
                                     0 => None,
                                     1 => {
                                         let e = {
-                                            let l77 = *arg0
-                                                .add(352 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
-                                            let l78 = *arg0
-                                                .add(360 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
                                             let l79 = *arg0
-                                                .add(364 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
-                                            let l80 = *arg0
                                                 .add(368 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
-                                            let l81 = *arg0
+                                            let l80 = *arg0
                                                 .add(376 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                                .cast::<i32>();
+                                            let l81 = *arg0
+                                                .add(380 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<i32>();
                                             let l82 = *arg0
                                                 .add(384 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
@@ -1351,23 +1360,29 @@ pub mod exports {
                                             let l89 = *arg0
                                                 .add(440 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
+                                            let l90 = *arg0
+                                                .add(448 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
+                                            let l91 = *arg0
+                                                .add(456 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
                                             super::super::super::super::vertibench::planner::types::LidarInfo {
-                                                period: l77,
-                                                rows: l78 as u32,
-                                                cols: l79 as u32,
-                                                lowest: l80,
-                                                highest: l81,
-                                                min_range: l82,
-                                                max_range: l83,
+                                                period: l79,
+                                                rows: l80 as u32,
+                                                cols: l81 as u32,
+                                                lowest: l82,
+                                                highest: l83,
+                                                min_range: l84,
+                                                max_range: l85,
                                                 mount: super::super::super::super::vertibench::planner::types::Mount {
                                                     position: super::super::super::super::vertibench::planner::types::Vec3 {
-                                                        x: l84,
-                                                        y: l85,
-                                                        z: l86,
+                                                        x: l86,
+                                                        y: l87,
+                                                        z: l88,
                                                     },
-                                                    roll: l87,
-                                                    pitch: l88,
-                                                    yaw: l89,
+                                                    roll: l89,
+                                                    pitch: l90,
+                                                    yaw: l91,
                                                 },
                                             }
                                         };
@@ -1375,39 +1390,33 @@ pub mod exports {
                                     }
                                     _ => _rt::invalid_enum_discriminant(),
                                 },
-                                depth: match l90 {
+                                depth: match l92 {
                                     0 => None,
                                     1 => {
                                         let e = {
-                                            let l91 = *arg0
-                                                .add(456 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
-                                            let l92 = *arg0
-                                                .add(464 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
                                             let l93 = *arg0
-                                                .add(468 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<i32>();
-                                            let l94 = *arg0
                                                 .add(472 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
-                                            let l95 = *arg0
+                                            let l94 = *arg0
                                                 .add(480 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                                .cast::<i32>();
+                                            let l95 = *arg0
+                                                .add(484 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<i32>();
                                             let l96 = *arg0
                                                 .add(488 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
-                                            let l97 = i32::from(
-                                                *arg0
-                                                    .add(496 + 16 * ::core::mem::size_of::<*const u8>())
-                                                    .cast::<u8>(),
-                                            );
+                                            let l97 = *arg0
+                                                .add(496 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
                                             let l98 = *arg0
                                                 .add(504 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
-                                            let l99 = *arg0
-                                                .add(512 + 16 * ::core::mem::size_of::<*const u8>())
-                                                .cast::<f64>();
+                                            let l99 = i32::from(
+                                                *arg0
+                                                    .add(512 + 16 * ::core::mem::size_of::<*const u8>())
+                                                    .cast::<u8>(),
+                                            );
                                             let l100 = *arg0
                                                 .add(520 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
@@ -1420,23 +1429,29 @@ pub mod exports {
                                             let l103 = *arg0
                                                 .add(544 + 16 * ::core::mem::size_of::<*const u8>())
                                                 .cast::<f64>();
+                                            let l104 = *arg0
+                                                .add(552 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
+                                            let l105 = *arg0
+                                                .add(560 + 16 * ::core::mem::size_of::<*const u8>())
+                                                .cast::<f64>();
                                             super::super::super::super::vertibench::planner::types::DepthInfo {
-                                                period: l91,
-                                                rows: l92 as u32,
-                                                cols: l93 as u32,
-                                                field_of_view: l94,
-                                                min_depth: l95,
-                                                max_depth: l96,
-                                                labels: _rt::bool_lift(l97 as u8),
+                                                period: l93,
+                                                rows: l94 as u32,
+                                                cols: l95 as u32,
+                                                field_of_view: l96,
+                                                min_depth: l97,
+                                                max_depth: l98,
+                                                labels: _rt::bool_lift(l99 as u8),
                                                 mount: super::super::super::super::vertibench::planner::types::Mount {
                                                     position: super::super::super::super::vertibench::planner::types::Vec3 {
-                                                        x: l98,
-                                                        y: l99,
-                                                        z: l100,
+                                                        x: l100,
+                                                        y: l101,
+                                                        z: l102,
                                                     },
-                                                    roll: l101,
-                                                    pitch: l102,
-                                                    yaw: l103,
+                                                    roll: l103,
+                                                    pitch: l104,
+                                                    yaw: l105,
                                                 },
                                             }
                                         };
@@ -1448,32 +1463,32 @@ pub mod exports {
                         };
                         _rt::cabi_dealloc(
                             arg0,
-                            552 + 16 * ::core::mem::size_of::<*const u8>(),
+                            568 + 16 * ::core::mem::size_of::<*const u8>(),
                             8,
                         );
-                        let ptr105 = (&raw mut _RET_AREA.0).cast::<u8>();
-                        match result104 {
+                        let ptr107 = (&raw mut _RET_AREA.0).cast::<u8>();
+                        match result106 {
                             Ok(e) => {
-                                *ptr105.add(0).cast::<u8>() = (0i32) as u8;
-                                *ptr105
+                                *ptr107.add(0).cast::<u8>() = (0i32) as u8;
+                                *ptr107
                                     .add(::core::mem::size_of::<*const u8>())
                                     .cast::<i32>() = (e).take_handle() as i32;
                             }
                             Err(e) => {
-                                *ptr105.add(0).cast::<u8>() = (1i32) as u8;
-                                let vec106 = (e.into_bytes()).into_boxed_slice();
-                                let ptr106 = vec106.as_ptr().cast::<u8>();
-                                let len106 = vec106.len();
-                                ::core::mem::forget(vec106);
-                                *ptr105
+                                *ptr107.add(0).cast::<u8>() = (1i32) as u8;
+                                let vec108 = (e.into_bytes()).into_boxed_slice();
+                                let ptr108 = vec108.as_ptr().cast::<u8>();
+                                let len108 = vec108.len();
+                                ::core::mem::forget(vec108);
+                                *ptr107
                                     .add(2 * ::core::mem::size_of::<*const u8>())
-                                    .cast::<usize>() = len106;
-                                *ptr105
+                                    .cast::<usize>() = len108;
+                                *ptr107
                                     .add(::core::mem::size_of::<*const u8>())
-                                    .cast::<*mut u8>() = ptr106.cast_mut();
+                                    .cast::<*mut u8>() = ptr108.cast_mut();
                             }
                         };
-                        ptr105
+                        ptr107
                     }
                 }
                 #[doc(hidden)]
@@ -2282,52 +2297,53 @@ macro_rules! __export_planner_plugin_impl {
         (link_section =
         "component-type:wit-bindgen:0.61.1:vertibench:planner@0.2.0:planner-plugin:imports and exports")]
         #[doc(hidden)] #[allow(clippy::octal_escapes)] pub static
-        __WIT_BINDGEN_COMPONENT_TYPE : [u8; 2105] = *
+        __WIT_BINDGEN_COMPONENT_TYPE : [u8; 2142] = *
         b"\
-\0asm\x0d\0\x01\0\0\x19\x16wit-component-encoding\x04\0\x07\xb4\x0f\x01A\x02\x01\
+\0asm\x0d\0\x01\0\0\x19\x16wit-component-encoding\x04\0\x07\xd9\x0f\x01A\x02\x01\
 A\x0a\x01B@\x01r\x03\x01xu\x01yu\x01zu\x04\0\x04vec3\x03\0\0\x01r\x02\x01xu\x01y\
 u\x04\0\x06point2\x03\0\x02\x01r\x03\x01xu\x01yu\x03yawu\x04\0\x05pose2\x03\0\x04\
-\x01r\x12\x04names\x05scaleu\x04massu\x06lengthu\x05widthu\x06heightu\x09wheelba\
+\x01r\x14\x04names\x05scaleu\x04massu\x06lengthu\x05widthu\x06heightu\x09wheelba\
 seu\x05tracku\x0cwheel-radiusu\x06wheelsy\x10ground-clearanceu\x0fmax-steer-angl\
-eu\x0emax-steer-rateu\x0fmin-turn-radiusu\x09max-speedu\x11max-reverse-speedu\x16\
-direction-change-speedu\x15direction-change-timeu\x04\0\x07vehicle\x03\0\x06\x01\
-r\x05\x04rowsy\x04colsy\x0aresolutionu\x08origin-xu\x08origin-yu\x04\0\x0agrid-f\
-rame\x03\0\x08\x01pv\x01r\x02\x05frame\x09\x04data\x0a\x04\0\x0aheight-map\x03\0\
-\x0b\x01p}\x01r\x02\x05frame\x09\x04data\x0d\x04\0\x09label-map\x03\0\x0e\x01r\x02\
-\x03keys\x05values\x04\0\x05param\x03\0\x10\x01r\x04\x08position\x01\x04rollu\x05\
-pitchu\x03yawu\x04\0\x05mount\x03\0\x12\x01r\x08\x06periodu\x04rowsy\x04colsy\x06\
-lowestu\x07highestu\x09min-rangeu\x09max-rangeu\x05mount\x13\x04\0\x0alidar-info\
-\x03\0\x14\x01r\x08\x06periodu\x04rowsy\x04colsy\x0dfield-of-viewu\x09min-depthu\
-\x09max-depthu\x06labels\x7f\x05mount\x13\x04\0\x0adepth-info\x03\0\x16\x01k\x0c\
-\x01k\x0f\x01p\x03\x01p\x11\x01k\x15\x01k\x17\x01r\x11\x02ids\x07vehicle\x07\x09\
-elevation\x18\x09semantics\x19\x09occupancy\x19\x0bhalf-extent\x03\x04path\x1a\x05\
-start\x05\x04goal\x03\x0bgoal-radiusu\x0atime-limitu\x0econtrol-periodu\x04seedw\
-\x06params\x1b\x0aperceptions\x05lidar\x1c\x05depth\x1d\x04\0\x04task\x03\0\x1e\x01\
-r\x06\x08position\x01\x04rollu\x05pitchu\x03yawu\x0flinear-velocity\x01\x10angul\
-ar-velocity\x01\x04\0\x04pose\x03\0\x20\x01r\x02\x04spinu\x06travelu\x04\0\x05wh\
-eel\x03\0\"\x01r\x03\x04timeu\x0especific-force\x01\x10angular-velocity\x01\x04\0\
-\x0aimu-sample\x03\0$\x01r\x02\x04timeu\x08position\x01\x04\0\x08gnss-fix\x03\0&\
-\x01r\x02\x04timeu\x06ranges\x0a\x04\0\x0alidar-scan\x03\0(\x01r\x03\x04timeu\x06\
-depths\x0a\x06labels\x0d\x04\0\x0bdepth-image\x03\0*\x01r\x04\x04timeu\x09elevat\
-ion\x0c\x09semantics\x0f\x09occupancy\x0f\x04\0\x09local-map\x03\0,\x01m\x03\x07\
-forward\x07neutral\x07reverse\x04\0\x04gear\x03\0.\x01k!\x01p#\x01p%\x01k'\x01k)\
-\x01k+\x01k-\x01r\x0e\x04timeu\x04pose0\x06wheels1\x03imu2\x04gnss3\x05lidar4\x05\
-depth5\x09local-map6\x04gear/\x0cengine-speedu\x08steeringu\x0dlast-steeringu\x0d\
-last-throttleu\x0alast-brakeu\x04\0\x0bobservation\x03\07\x01r\x02\x04names\x06v\
-alues\x0a\x04\0\x06series\x03\09\x01p:\x01r\x05\x08steeringu\x08throttleu\x05bra\
-keu\x04gear/\x05debug;\x04\0\x07command\x03\0<\x01m\x04\x05error\x04warn\x04info\
-\x05debug\x04\0\x09log-level\x03\0>\x03\0\x1evertibench:planner/types@0.2.0\x05\0\
-\x02\x03\0\0\x09log-level\x01B\x04\x02\x03\x02\x01\x01\x04\0\x09log-level\x03\0\0\
-\x01@\x02\x05level\x01\x07messages\x01\0\x04\0\x03log\x01\x02\x03\0\x1dvertibenc\
-h:planner/host@0.2.0\x05\x02\x02\x03\0\0\x04task\x02\x03\0\0\x0bobservation\x02\x03\
-\0\0\x07command\x01B\x0f\x02\x03\x02\x01\x03\x04\0\x04task\x03\0\0\x02\x03\x02\x01\
-\x04\x04\0\x0bobservation\x03\0\x02\x02\x03\x02\x01\x05\x04\0\x07command\x03\0\x04\
-\x04\0\x07planner\x03\x01\x01i\x06\x01j\x01\x07\x01s\x01@\x01\x04task\x01\0\x08\x04\
-\0\x14[static]planner.init\x01\x09\x01h\x06\x01j\x01\x05\x01s\x01@\x02\x04self\x0a\
-\x0bobservation\x03\0\x0b\x04\0\x14[method]planner.step\x01\x0c\x04\0\x1evertibe\
-nch:planner/guest@0.2.0\x05\x06\x04\0'vertibench:planner/planner-plugin@0.2.0\x04\
-\0\x0b\x14\x01\0\x0eplanner-plugin\x03\0\0\0G\x09producers\x01\x0cprocessed-by\x02\
-\x0dwit-component\x070.258.3\x10wit-bindgen-rust\x060.61.1";
+eu\x0emax-steer-rateu\x0fmin-turn-radiusu\x0feffective-tracku\x12turn-rate-in-pl\
+aceu\x09max-speedu\x11max-reverse-speedu\x16direction-change-speedu\x15direction\
+-change-timeu\x04\0\x07vehicle\x03\0\x06\x01r\x05\x04rowsy\x04colsy\x0aresolutio\
+nu\x08origin-xu\x08origin-yu\x04\0\x0agrid-frame\x03\0\x08\x01pv\x01r\x02\x05fra\
+me\x09\x04data\x0a\x04\0\x0aheight-map\x03\0\x0b\x01p}\x01r\x02\x05frame\x09\x04\
+data\x0d\x04\0\x09label-map\x03\0\x0e\x01r\x02\x03keys\x05values\x04\0\x05param\x03\
+\0\x10\x01r\x04\x08position\x01\x04rollu\x05pitchu\x03yawu\x04\0\x05mount\x03\0\x12\
+\x01r\x08\x06periodu\x04rowsy\x04colsy\x06lowestu\x07highestu\x09min-rangeu\x09m\
+ax-rangeu\x05mount\x13\x04\0\x0alidar-info\x03\0\x14\x01r\x08\x06periodu\x04rows\
+y\x04colsy\x0dfield-of-viewu\x09min-depthu\x09max-depthu\x06labels\x7f\x05mount\x13\
+\x04\0\x0adepth-info\x03\0\x16\x01k\x0c\x01k\x0f\x01p\x03\x01p\x11\x01k\x15\x01k\
+\x17\x01r\x11\x02ids\x07vehicle\x07\x09elevation\x18\x09semantics\x19\x09occupan\
+cy\x19\x0bhalf-extent\x03\x04path\x1a\x05start\x05\x04goal\x03\x0bgoal-radiusu\x0a\
+time-limitu\x0econtrol-periodu\x04seedw\x06params\x1b\x0aperceptions\x05lidar\x1c\
+\x05depth\x1d\x04\0\x04task\x03\0\x1e\x01r\x06\x08position\x01\x04rollu\x05pitch\
+u\x03yawu\x0flinear-velocity\x01\x10angular-velocity\x01\x04\0\x04pose\x03\0\x20\
+\x01r\x02\x04spinu\x06travelu\x04\0\x05wheel\x03\0\"\x01r\x03\x04timeu\x0especif\
+ic-force\x01\x10angular-velocity\x01\x04\0\x0aimu-sample\x03\0$\x01r\x02\x04time\
+u\x08position\x01\x04\0\x08gnss-fix\x03\0&\x01r\x02\x04timeu\x06ranges\x0a\x04\0\
+\x0alidar-scan\x03\0(\x01r\x03\x04timeu\x06depths\x0a\x06labels\x0d\x04\0\x0bdep\
+th-image\x03\0*\x01r\x04\x04timeu\x09elevation\x0c\x09semantics\x0f\x09occupancy\
+\x0f\x04\0\x09local-map\x03\0,\x01m\x03\x07forward\x07neutral\x07reverse\x04\0\x04\
+gear\x03\0.\x01k!\x01p#\x01p%\x01k'\x01k)\x01k+\x01k-\x01r\x0e\x04timeu\x04pose0\
+\x06wheels1\x03imu2\x04gnss3\x05lidar4\x05depth5\x09local-map6\x04gear/\x0cengin\
+e-speedu\x08steeringu\x0dlast-steeringu\x0dlast-throttleu\x0alast-brakeu\x04\0\x0b\
+observation\x03\07\x01r\x02\x04names\x06values\x0a\x04\0\x06series\x03\09\x01p:\x01\
+r\x05\x08steeringu\x08throttleu\x05brakeu\x04gear/\x05debug;\x04\0\x07command\x03\
+\0<\x01m\x04\x05error\x04warn\x04info\x05debug\x04\0\x09log-level\x03\0>\x03\0\x1e\
+vertibench:planner/types@0.2.0\x05\0\x02\x03\0\0\x09log-level\x01B\x04\x02\x03\x02\
+\x01\x01\x04\0\x09log-level\x03\0\0\x01@\x02\x05level\x01\x07messages\x01\0\x04\0\
+\x03log\x01\x02\x03\0\x1dvertibench:planner/host@0.2.0\x05\x02\x02\x03\0\0\x04ta\
+sk\x02\x03\0\0\x0bobservation\x02\x03\0\0\x07command\x01B\x0f\x02\x03\x02\x01\x03\
+\x04\0\x04task\x03\0\0\x02\x03\x02\x01\x04\x04\0\x0bobservation\x03\0\x02\x02\x03\
+\x02\x01\x05\x04\0\x07command\x03\0\x04\x04\0\x07planner\x03\x01\x01i\x06\x01j\x01\
+\x07\x01s\x01@\x01\x04task\x01\0\x08\x04\0\x14[static]planner.init\x01\x09\x01h\x06\
+\x01j\x01\x05\x01s\x01@\x02\x04self\x0a\x0bobservation\x03\0\x0b\x04\0\x14[metho\
+d]planner.step\x01\x0c\x04\0\x1evertibench:planner/guest@0.2.0\x05\x06\x04\0'ver\
+tibench:planner/planner-plugin@0.2.0\x04\0\x0b\x14\x01\0\x0eplanner-plugin\x03\0\
+\0\0G\x09producers\x01\x0cprocessed-by\x02\x0dwit-component\x070.258.3\x10wit-bi\
+ndgen-rust\x060.61.1";
         };
     };
 }
@@ -2340,46 +2356,46 @@ pub use __export_planner_plugin_impl as export;
 )]
 #[doc(hidden)]
 #[allow(clippy::octal_escapes)]
-pub static __WIT_BINDGEN_COMPONENT_TYPE: [u8; 1924] = *b"\
-\0asm\x0d\0\x01\0\0\x19\x16wit-component-encoding\x04\0\x07\xdf\x0d\x01A\x02\x01\
+pub static __WIT_BINDGEN_COMPONENT_TYPE: [u8; 1961] = *b"\
+\0asm\x0d\0\x01\0\0\x19\x16wit-component-encoding\x04\0\x07\x84\x0e\x01A\x02\x01\
 A\x05\x01B@\x01r\x03\x01xu\x01yu\x01zu\x04\0\x04vec3\x03\0\0\x01r\x02\x01xu\x01y\
 u\x04\0\x06point2\x03\0\x02\x01r\x03\x01xu\x01yu\x03yawu\x04\0\x05pose2\x03\0\x04\
-\x01r\x12\x04names\x05scaleu\x04massu\x06lengthu\x05widthu\x06heightu\x09wheelba\
+\x01r\x14\x04names\x05scaleu\x04massu\x06lengthu\x05widthu\x06heightu\x09wheelba\
 seu\x05tracku\x0cwheel-radiusu\x06wheelsy\x10ground-clearanceu\x0fmax-steer-angl\
-eu\x0emax-steer-rateu\x0fmin-turn-radiusu\x09max-speedu\x11max-reverse-speedu\x16\
-direction-change-speedu\x15direction-change-timeu\x04\0\x07vehicle\x03\0\x06\x01\
-r\x05\x04rowsy\x04colsy\x0aresolutionu\x08origin-xu\x08origin-yu\x04\0\x0agrid-f\
-rame\x03\0\x08\x01pv\x01r\x02\x05frame\x09\x04data\x0a\x04\0\x0aheight-map\x03\0\
-\x0b\x01p}\x01r\x02\x05frame\x09\x04data\x0d\x04\0\x09label-map\x03\0\x0e\x01r\x02\
-\x03keys\x05values\x04\0\x05param\x03\0\x10\x01r\x04\x08position\x01\x04rollu\x05\
-pitchu\x03yawu\x04\0\x05mount\x03\0\x12\x01r\x08\x06periodu\x04rowsy\x04colsy\x06\
-lowestu\x07highestu\x09min-rangeu\x09max-rangeu\x05mount\x13\x04\0\x0alidar-info\
-\x03\0\x14\x01r\x08\x06periodu\x04rowsy\x04colsy\x0dfield-of-viewu\x09min-depthu\
-\x09max-depthu\x06labels\x7f\x05mount\x13\x04\0\x0adepth-info\x03\0\x16\x01k\x0c\
-\x01k\x0f\x01p\x03\x01p\x11\x01k\x15\x01k\x17\x01r\x11\x02ids\x07vehicle\x07\x09\
-elevation\x18\x09semantics\x19\x09occupancy\x19\x0bhalf-extent\x03\x04path\x1a\x05\
-start\x05\x04goal\x03\x0bgoal-radiusu\x0atime-limitu\x0econtrol-periodu\x04seedw\
-\x06params\x1b\x0aperceptions\x05lidar\x1c\x05depth\x1d\x04\0\x04task\x03\0\x1e\x01\
-r\x06\x08position\x01\x04rollu\x05pitchu\x03yawu\x0flinear-velocity\x01\x10angul\
-ar-velocity\x01\x04\0\x04pose\x03\0\x20\x01r\x02\x04spinu\x06travelu\x04\0\x05wh\
-eel\x03\0\"\x01r\x03\x04timeu\x0especific-force\x01\x10angular-velocity\x01\x04\0\
-\x0aimu-sample\x03\0$\x01r\x02\x04timeu\x08position\x01\x04\0\x08gnss-fix\x03\0&\
-\x01r\x02\x04timeu\x06ranges\x0a\x04\0\x0alidar-scan\x03\0(\x01r\x03\x04timeu\x06\
-depths\x0a\x06labels\x0d\x04\0\x0bdepth-image\x03\0*\x01r\x04\x04timeu\x09elevat\
-ion\x0c\x09semantics\x0f\x09occupancy\x0f\x04\0\x09local-map\x03\0,\x01m\x03\x07\
-forward\x07neutral\x07reverse\x04\0\x04gear\x03\0.\x01k!\x01p#\x01p%\x01k'\x01k)\
-\x01k+\x01k-\x01r\x0e\x04timeu\x04pose0\x06wheels1\x03imu2\x04gnss3\x05lidar4\x05\
-depth5\x09local-map6\x04gear/\x0cengine-speedu\x08steeringu\x0dlast-steeringu\x0d\
-last-throttleu\x0alast-brakeu\x04\0\x0bobservation\x03\07\x01r\x02\x04names\x06v\
-alues\x0a\x04\0\x06series\x03\09\x01p:\x01r\x05\x08steeringu\x08throttleu\x05bra\
-keu\x04gear/\x05debug;\x04\0\x07command\x03\0<\x01m\x04\x05error\x04warn\x04info\
-\x05debug\x04\0\x09log-level\x03\0>\x03\0\x1evertibench:planner/types@0.2.0\x05\0\
-\x02\x03\0\0\x09log-level\x01B\x04\x02\x03\x02\x01\x01\x04\0\x09log-level\x03\0\0\
-\x01@\x02\x05level\x01\x07messages\x01\0\x04\0\x03log\x01\x02\x03\0\x1dvertibenc\
-h:planner/host@0.2.0\x05\x02\x04\0Gvertibench:planner/planner-plugin-with-all-of\
--its-exports-removed@0.2.0\x04\0\x0b4\x01\0.planner-plugin-with-all-of-its-expor\
-ts-removed\x03\0\0\0G\x09producers\x01\x0cprocessed-by\x02\x0dwit-component\x070\
-.258.3\x10wit-bindgen-rust\x060.61.1";
+eu\x0emax-steer-rateu\x0fmin-turn-radiusu\x0feffective-tracku\x12turn-rate-in-pl\
+aceu\x09max-speedu\x11max-reverse-speedu\x16direction-change-speedu\x15direction\
+-change-timeu\x04\0\x07vehicle\x03\0\x06\x01r\x05\x04rowsy\x04colsy\x0aresolutio\
+nu\x08origin-xu\x08origin-yu\x04\0\x0agrid-frame\x03\0\x08\x01pv\x01r\x02\x05fra\
+me\x09\x04data\x0a\x04\0\x0aheight-map\x03\0\x0b\x01p}\x01r\x02\x05frame\x09\x04\
+data\x0d\x04\0\x09label-map\x03\0\x0e\x01r\x02\x03keys\x05values\x04\0\x05param\x03\
+\0\x10\x01r\x04\x08position\x01\x04rollu\x05pitchu\x03yawu\x04\0\x05mount\x03\0\x12\
+\x01r\x08\x06periodu\x04rowsy\x04colsy\x06lowestu\x07highestu\x09min-rangeu\x09m\
+ax-rangeu\x05mount\x13\x04\0\x0alidar-info\x03\0\x14\x01r\x08\x06periodu\x04rows\
+y\x04colsy\x0dfield-of-viewu\x09min-depthu\x09max-depthu\x06labels\x7f\x05mount\x13\
+\x04\0\x0adepth-info\x03\0\x16\x01k\x0c\x01k\x0f\x01p\x03\x01p\x11\x01k\x15\x01k\
+\x17\x01r\x11\x02ids\x07vehicle\x07\x09elevation\x18\x09semantics\x19\x09occupan\
+cy\x19\x0bhalf-extent\x03\x04path\x1a\x05start\x05\x04goal\x03\x0bgoal-radiusu\x0a\
+time-limitu\x0econtrol-periodu\x04seedw\x06params\x1b\x0aperceptions\x05lidar\x1c\
+\x05depth\x1d\x04\0\x04task\x03\0\x1e\x01r\x06\x08position\x01\x04rollu\x05pitch\
+u\x03yawu\x0flinear-velocity\x01\x10angular-velocity\x01\x04\0\x04pose\x03\0\x20\
+\x01r\x02\x04spinu\x06travelu\x04\0\x05wheel\x03\0\"\x01r\x03\x04timeu\x0especif\
+ic-force\x01\x10angular-velocity\x01\x04\0\x0aimu-sample\x03\0$\x01r\x02\x04time\
+u\x08position\x01\x04\0\x08gnss-fix\x03\0&\x01r\x02\x04timeu\x06ranges\x0a\x04\0\
+\x0alidar-scan\x03\0(\x01r\x03\x04timeu\x06depths\x0a\x06labels\x0d\x04\0\x0bdep\
+th-image\x03\0*\x01r\x04\x04timeu\x09elevation\x0c\x09semantics\x0f\x09occupancy\
+\x0f\x04\0\x09local-map\x03\0,\x01m\x03\x07forward\x07neutral\x07reverse\x04\0\x04\
+gear\x03\0.\x01k!\x01p#\x01p%\x01k'\x01k)\x01k+\x01k-\x01r\x0e\x04timeu\x04pose0\
+\x06wheels1\x03imu2\x04gnss3\x05lidar4\x05depth5\x09local-map6\x04gear/\x0cengin\
+e-speedu\x08steeringu\x0dlast-steeringu\x0dlast-throttleu\x0alast-brakeu\x04\0\x0b\
+observation\x03\07\x01r\x02\x04names\x06values\x0a\x04\0\x06series\x03\09\x01p:\x01\
+r\x05\x08steeringu\x08throttleu\x05brakeu\x04gear/\x05debug;\x04\0\x07command\x03\
+\0<\x01m\x04\x05error\x04warn\x04info\x05debug\x04\0\x09log-level\x03\0>\x03\0\x1e\
+vertibench:planner/types@0.2.0\x05\0\x02\x03\0\0\x09log-level\x01B\x04\x02\x03\x02\
+\x01\x01\x04\0\x09log-level\x03\0\0\x01@\x02\x05level\x01\x07messages\x01\0\x04\0\
+\x03log\x01\x02\x03\0\x1dvertibench:planner/host@0.2.0\x05\x02\x04\0Gvertibench:\
+planner/planner-plugin-with-all-of-its-exports-removed@0.2.0\x04\0\x0b4\x01\0.pl\
+anner-plugin-with-all-of-its-exports-removed\x03\0\0\0G\x09producers\x01\x0cproc\
+essed-by\x02\x0dwit-component\x070.258.3\x10wit-bindgen-rust\x060.61.1";
 #[inline(never)]
 #[doc(hidden)]
 pub fn __link_custom_section_describing_imports() {

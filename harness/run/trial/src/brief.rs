@@ -27,6 +27,8 @@ pub fn planner_vehicle(spec: &VehicleSpec, shape: &StaticShape, scale: f64) -> v
         max_steer_angle: shape.max_steer_angle,
         max_steer_rate: spec.steering.rate,
         min_turn_radius: shape.min_turn_radius,
+        effective_track: shape.skid.as_ref().map_or(0.0, |s| s.effective_track),
+        turn_rate_in_place: shape.skid.as_ref().map_or(0.0, |s| s.in_place),
         max_speed: spec.max_speed,
         max_reverse_speed: shape.max_reverse_speed,
         direction_change_speed: spec.powertrain.gearbox.direction_change.speed,
@@ -145,5 +147,14 @@ mod tests {
             v.min_turn_radius
         );
         assert!(v.max_steer_angle > 0.1 && v.max_reverse_speed > 0.9, "{v:?}");
+        // Its controller counts on 1.875 times the track (Clearpath's control.yaml); as fast in place as wheels without slip on it at
+        // most.
+        assert!((v.effective_track / (0.555 * 1.875) - 1.0).abs() < 0.15, "{}", v.effective_track);
+        assert!(v.turn_rate_in_place > 0.1 && v.turn_rate_in_place < 2.0 / 0.555, "{}", v.turn_rate_in_place);
+        let text = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
+        let spec = VehicleSpec::parse(text, "hmmwv.yaml").unwrap();
+        let model = VehicleModel::new(spec.clone()).unwrap();
+        let v = planner_vehicle(&spec, &static_shape(&model, SimOptions::default()).unwrap(), 1.0);
+        assert_eq!((v.effective_track, v.turn_rate_in_place), (0.0, 0.0));
     }
 }

@@ -44,6 +44,11 @@ class Vehicle:
     """The maximum rate of the steering command, 1/s."""
     min_turn_radius: float
     """The turning radius of the reference point at full lock on flat ground, m."""
+    effective_track: float
+    """The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
+    full lock; 0 for a vehicle that is not steered by the speeds of its sides."""
+    turn_rate_in_place: float
+    """The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place."""
     max_speed: float
     """The top speed on flat ground, m/s."""
     max_reverse_speed: float
@@ -70,6 +75,8 @@ class Vehicle:
             max_steer_angle=wire["max_steer_angle"],
             max_steer_rate=wire["max_steer_rate"],
             min_turn_radius=wire["min_turn_radius"],
+            effective_track=wire["effective_track"],
+            turn_rate_in_place=wire["turn_rate_in_place"],
             max_speed=wire["max_speed"],
             max_reverse_speed=wire["max_reverse_speed"],
             direction_change_speed=wire["direction_change_speed"],

@@ -50,6 +50,8 @@ impl From<&vb_sdk::Vehicle> for types::Vehicle {
             max_steer_angle: v.max_steer_angle,
             max_steer_rate: v.max_steer_rate,
             min_turn_radius: v.min_turn_radius,
+            effective_track: v.effective_track,
+            turn_rate_in_place: v.turn_rate_in_place,
             max_speed: v.max_speed,
             max_reverse_speed: v.max_reverse_speed,
             direction_change_speed: v.direction_change_speed,
