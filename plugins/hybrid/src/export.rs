@@ -18,7 +18,7 @@ macro_rules! export_hybrid {
             name: $name,
             about: $about,
             attention: $attention,
-            samples: 1000,
+            samples: 500,
             params: { $($own)* },
         }
 

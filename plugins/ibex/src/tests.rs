@@ -100,8 +100,8 @@ fn a_bank_that_the_hull_would_sit_on_is_gone_around() {
     for side in [1.0, -1.0] {
         let bank = move |x: f64, y: f64| if (-5.6..-4.4).contains(&x) && y * side < 4.0 { 0.8 } else { 0.0 };
         let turn = |params: &[(&str, &str)]| steering(&mut Searching::new(&task(bank, params)).unwrap());
-        let seen = turn(&[("learned", "0")]);
-        let unseen = turn(&[("learned", "0"), ("price_hull", "0"), ("price_tilt", "0")]);
+        let seen = turn(&[("learned", "0"), ("foresight", "0")]);
+        let unseen = turn(&[("learned", "0"), ("foresight", "0"), ("price_hull", "0"), ("price_tilt", "0")]);
         assert!(seen * side > 0.05 && (seen - unseen) * side > 0.1, "side {side}: {seen} for {unseen}");
     }
 }

@@ -179,7 +179,8 @@ fn drawn_noise_has_mean_nought_and_deviation_one() {
 
 #[test]
 fn a_bicycle_at_full_lock_drives_its_circle() {
-    let model = Bicycle { curvature: 0.125, turn_rate_in_place: 0.0, steer_rate: 100.0, lag: 0.5, acceleration: 3.0 };
+    let model =
+        Bicycle { curvature: 0.125, turn_rate_in_place: 0.0, steer_rate: 100.0, lag: 0.5, acceleration: 3.0 };
     let all = |v: f32| [v; LANES];
     let mut s = BicycleState {
         x: all(0.0),
@@ -203,7 +204,8 @@ fn a_bicycle_at_full_lock_drives_its_circle() {
 
 #[test]
 fn steering_and_speed_follow_at_their_rates() {
-    let model = Bicycle { curvature: 0.1, turn_rate_in_place: 0.0, steer_rate: 2.0, lag: 0.5, acceleration: 3.0 };
+    let model =
+        Bicycle { curvature: 0.1, turn_rate_in_place: 0.0, steer_rate: 2.0, lag: 0.5, acceleration: 3.0 };
     let all = |v: f32| [v; LANES];
     let mut s = BicycleState {
         x: all(0.0),

@@ -85,6 +85,7 @@ fn observed(s: &VehicleState) -> Observation {
         time: s.time,
         wheels: s.wheels.iter().map(|w| Wheel { spin: w.speed, travel: w.deflection }).collect(),
         steering: s.steering,
+        engine_speed: s.engine_speed,
         ..Observation::of(pose)
     }
 }

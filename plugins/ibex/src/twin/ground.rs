@@ -12,17 +12,20 @@ pub(super) struct Kind {
     pub(super) friction: f32,
     /// The depth to which a wheel of the HMMWV sinks under its share of the weight, as a part of its radius.
     pub(super) sinkage: f32,
+    /// What resists as it is compacted, over the load and the root of the sinkage in diameters.
+    pub(super) compaction: f32,
 }
 
 impl Kind {
     const fn firm(friction: f32) -> Self {
-        Self { friction, sinkage: 0.0 }
+        Self { friction, sinkage: 0.0, compaction: 0.0 }
     }
 }
 
-/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields has the strength of a friction
-/// angle of 30° (0.58) less what a driving wheel's slip loses of it (Janosi and Hanamoto), fitted on training worlds, and the depth at which
-/// Bekker's law bears the load, of the soil of medium level (`tasks/soils/default.yaml`). Other levels are found out on the way.
+/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields is
+/// the soil of medium level (`tasks/soils/default.yaml`) under a wheel of the HMMWV (`vehicle test hmmwv --event wheel-on-soil`): its greatest
+/// pull and its resistance together, less a fifth by slip, its sinkage, and one and a half times its resistance, both as found on training
+/// worlds. Other levels are found out on the way.
 const KINDS: [Kind; 10] = [
     Kind::firm(0.60),
     Kind::firm(0.85),
@@ -31,9 +34,9 @@ const KINDS: [Kind; 10] = [
     Kind::firm(0.55),
     Kind::firm(0.65),
     Kind::firm(0.45),
-    Kind { friction: 0.49, sinkage: 0.18 },
-    Kind { friction: 0.49, sinkage: 0.13 },
-    Kind { friction: 0.49, sinkage: 0.36 },
+    Kind { friction: 0.31, sinkage: 0.139, compaction: 1.34 },
+    Kind { friction: 0.50, sinkage: 0.139, compaction: 1.02 },
+    Kind { friction: 0.316, sinkage: 0.33, compaction: 0.44 },
 ];
 /// What ground is taken for whose kind isn't known: gravel.
 const UNKNOWN: usize = 4;

@@ -15,6 +15,8 @@ const MOST: usize = 48;
 const DEPTH: f32 = 0.7;
 /// As many times as one contact would, all of them bear at most.
 const SHARED: f32 = 2.0;
+/// The friction of the hull at most.
+const FRICTION: f32 = 0.4;
 /// A contact's friction slows at most this part of the vehicle in a step.
 const HELD: f32 = 0.35;
 
@@ -55,6 +57,7 @@ impl Twin {
     ) -> f32x8 {
         let shape = &self.shape;
         let Body { place, axes, velocity, turning } = *body;
+        let friction = friction.min(all(FRICTION));
         let bottom = all(shape.under[0].height);
         let [ahead, behind, aside] = shape.reach.map(all);
         // Mostly the hull is clear of all the ground about it.

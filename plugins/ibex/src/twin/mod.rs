@@ -2,7 +2,7 @@
 //!
 //! A body of six degrees of freedom stands on four wheels without mass, each at the end of a spring and a damper along the body's
 //! vertical. A wheel meets the triangles of the map with its circumference (`contact`); its tyre is a spring and a damper, and its tread a
-//! brush (`wheel`); its torque comes through differentials that are open but for some friction (`drive`). The hull is convex, and the
+//! brush (`wheel`); its torque comes through a lock between the axles and limited-slip differentials (`drive`). The hull is convex, and the
 //! ground bears it. Soil gives way under the wheels and resists them.
 //!
 //! It is made of what planners are told and of the HMMWV's proportions, and not of the harness's simulator, from which it differs in
@@ -57,6 +57,8 @@ pub struct State {
     hull: f32x8,
     /// The steering that the wheels have, in -1 to 1.
     steering: f32x8,
+    /// The speed of the engine, rad/s at full scale.
+    engine: f32x8,
     /// The integral of the speed controller, as throttle.
     integral: f32x8,
     /// The gear: 1 forward, -1 in reverse, something in between while it changes.
@@ -136,6 +138,9 @@ impl Twin {
             wheels: std::array::from_fn(wheel),
             hull: all(0.0),
             steering: one(o.steering),
+            engine: one(o.engine_speed * f64::from(self.shape.root))
+                .max(all(drive::IDLE))
+                .min(all(drive::GOVERNED[1])),
             integral: one(integral),
             gear: all(match o.gear {
                 Gear::Forward => 1.0,
@@ -183,12 +188,14 @@ impl Twin {
         for (i, w) in s.wheels.iter_mut().enumerate() {
             let hub = s.place + axes.out(self.shape.hub(i, w.travel));
             let (x, y) = (hub.x.to_array(), hub.y.to_array());
-            let (mut friction, mut depth) = ([0.0; LANES], [0.0; LANES]);
+            let [mut friction, mut depth, mut compaction] = [[0.0; LANES]; 3];
             for l in 0..LANES {
                 let kind = self.ground.kind(x[l], y[l]);
                 (friction[l], depth[l]) = (kind.friction, kind.sinkage * self.shape.radius);
+                compaction[l] = kind.compaction;
             }
             (w.friction, w.depth) = (f32x8::from(friction), f32x8::from(depth));
+            w.compaction = f32x8::from(compaction);
         }
     }
 
@@ -238,7 +245,7 @@ impl Twin {
         let sin = angle * (all(1.0) - square * (all(1.0 / 6.0) - square * all(1.0 / 120.0)));
         let (forward, left) = (body.axes.forward, body.axes.left);
         let steered = [forward * cos + left * sin, left * cos + forward * -sin];
-        let (torques, brakes) = self.torques(&s.wheels, c);
+        let (torques, brakes) = self.torques(&s.wheels, &mut s.engine, c, dt);
         let mut gained = torques;
         for (i, (w, gained)) in s.wheels.iter_mut().zip(&mut gained).enumerate() {
             let directions = if i < 2 { steered } else { [forward, left] };

@@ -10,11 +10,14 @@ use super::{GRAVITY, WHEELS};
 
 /// The wheelbase of the HMMWV, m, which is full scale.
 const FULL: f32 = 3.302;
-/// The hull's lower side: the belly from front to rear in half wheelbases, its half width in half tracks; and how far the ends and the
-/// sides are out (in half lengths and half tracks) and above the belly (in clearances).
-const BELLY: ([f32; 2], f32) = ([0.68, -0.65], 0.6);
-const ENDS: (f32, f32) = (0.94, 0.95);
-const SIDES: (f32, f32) = (1.15, 1.56);
+/// The hull's lower side: the belly, which are the frame rails, from front to rear in half wheelbases, its half width in half tracks and
+/// its height above the lowest point, the differentials, in clearances (found on training worlds: 0.12 by the drawing); and how far the ends (bumpers) and the sides (rocker panels) are
+/// out (in half lengths and half tracks) and above the belly (in clearances).
+const BELLY: ([f32; 2], f32, f32) = ([0.73, -0.73], 0.46, 0.2);
+const ENDS: (f32, f32) = (1.0, 0.34);
+const SIDES: (f32, f32) = (1.10, 0.315);
+/// The deflection of a tyre under its share of the weight, in radii.
+const FLATTENED: f32 = 0.083;
 /// How much less than a bicycle with the wheels' mean angle the vehicle turns, as it was found on training worlds.
 const TURNS: f32 = 0.93;
 /// Corners of the belly and of the lower edges of both ends, and points in the middle of the belly's sides.
@@ -51,7 +54,8 @@ pub(super) struct Shape {
     /// The travel at which it does.
     pub(super) rest: [f32; 2],
     pub(super) spring: [f32; 2],
-    pub(super) damper: [f32; 2],
+    /// In compression and in rebound.
+    pub(super) damper: [[f32; 2]; 2],
     /// The travel at which stops are met, their stiffness, and the greatest travel.
     pub(super) stop: f32,
     pub(super) stiff: f32,
@@ -69,14 +73,12 @@ pub(super) struct Shape {
     /// The time of a change between forward and reverse, and the speed below which it begins.
     pub(super) change: f32,
     pub(super) change_speed: f32,
-    /// The weight times the radius, in which torques are told, and the greatest power.
+    /// The weight times the radius, in which torques are told.
     pub(super) arm: f32,
-    pub(super) power: f32,
-    /// The torque of all wheels with the throttle closed.
-    pub(super) drag: f32,
     /// The greatest torque of the brake of a wheel.
     pub(super) brake: f32,
-    /// The torque of a wheel by which differentials resist: between the axles, and between the sides.
+    /// The torque of a wheel by a difference of spins of 1 rad/s: between the axles, and between the sides. The steps are too long for
+    /// stiffer locks.
     pub(super) clutch: [f32; 2],
     /// The stiffness of hull on ground.
     pub(super) hard: f32,
@@ -99,9 +101,8 @@ impl Shape {
         let weight = mass * GRAVITY;
         let (quarter, arm) = (weight / WHEELS as f32, weight * radius);
         let ahead = centre[0] / half[0];
-        let rest = [0.0207 * base, 0.001 * base];
-        // The belly at rest on flat ground, from the centre of mass; tyres are flattened by some 3 %.
-        let bottom = clearance - 0.97 * radius + 0.5 * (rest[0] + rest[1]) - centre[2] - margin * size;
+        // The belly at rest on flat ground, where tyres are flattened by some 8 %, from the centre of mass.
+        let bottom = (1.0 + BELLY.2) * clearance - (1.0 - FLATTENED) * radius - centre[2] - margin * size;
         let ([front, rear], side) = (BELLY.0.map(|x| x * half[0] - centre[0]), BELLY.1 * half[1]);
         let (end, wide) = (ENDS.0 * 0.5 * v.length as f32, SIDES.0 * half[1]);
         let (nose, tail) = (end - centre[0], -end - centre[0]);
@@ -123,31 +124,29 @@ impl Shape {
         Self {
             mass,
             centre,
-            inertia: [0.17 * mass * track * track, 0.15 * mass * base * base, 0.185 * mass * base * base],
+            inertia: [0.176 * mass * track * track, 0.153 * mass * base * base, 0.188 * mass * base * base],
             half,
             radius,
             root,
             share: [quarter * (1.0 + ahead), quarter * (1.0 - ahead)],
-            rest,
-            spring: [quarter / (0.0118 * base), quarter / (0.0053 * base)],
-            damper: [quarter / (0.29 * root), quarter / (0.18 * root)],
-            stop: 0.0355 * base,
-            stiff: quarter / (0.00226 * base),
+            rest: [0.0; 2],
+            spring: [quarter / (0.058 * base), quarter / (0.0265 * base)],
+            damper: [[2.41, 1.33], [2.16, 0.877]].map(|axle| axle.map(|of| quarter / (of * root))),
+            stop: 0.0327 * base,
+            stiff: quarter / (0.004 * base),
             travel: 0.0474 * base,
-            tyre: quarter / (0.032 * radius),
-            tyre_damper: quarter / (1.56 * root),
+            tyre: quarter / (FLATTENED * radius),
+            tyre_damper: quarter / (3.06 * root),
             outline: Outline::new(),
-            spin: 0.016 * mass * radius * radius,
+            spin: 0.0143 * mass * radius * radius,
             steer: TURNS * v.max_steer_angle as f32,
             steer_rate: v.max_steer_rate as f32,
             change: (v.direction_change_time as f32).max(0.1 * root),
             change_speed: v.direction_change_speed as f32,
             arm,
-            power: 82.0 * mass * root,
-            drag: 0.05 * arm,
             brake: 0.35 * arm,
             clutch: [0.0219 * arm, 0.0088 * arm],
-            hard: weight / (0.009 * base),
+            hard: weight / (0.02 * base),
             hull: std::array::from_fn(point),
             under: [
                 plane(0.0, 0.0, 0.0),

@@ -6,7 +6,7 @@ use super::vector::{V3, all};
 use super::{State, Twin, WHEELS, Wheel};
 
 /// The times in which a wheel sinks under more load and rises under less, s at full scale, as they were found on training worlds.
-const SINKING: [f32; 2] = [0.03, 0.2];
+const SINKING: [f32; 2] = [0.1, 0.2];
 /// The parts of its share of the weight that a wheel must bear to tell how deep it sinks.
 const TELLING: [f32; 2] = [0.4, 2.0];
 /// How much of what a wheel tells is believed, while the vehicle stands at the start and later.

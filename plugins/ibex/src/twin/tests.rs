@@ -7,8 +7,8 @@ pub(super) const GRAVEL: u8 = 4;
 const MUD: u8 = 7;
 /// The friction that gravel is taken to have.
 const FRICTION: f64 = 0.55;
-/// The height of the reference point on flat ground, m: tyres are flattened by 3 % of the radius, springs by 36 mm.
-const REST: f64 = 0.417;
+/// The height of the reference point on flat ground, m: tyres are flattened by 8 % of the radius.
+const REST: f64 = 0.428;
 
 fn hmmwv() -> Vehicle {
     Vehicle {
@@ -50,8 +50,7 @@ fn standing(height: f64, rise: f64, speed: f64) -> Observation {
         linear_velocity: Vec3 { x: speed, ..Vec3::default() },
         ..Pose::default()
     };
-    let wheel = |travel| Told { spin: speed / 0.467, travel };
-    let wheels = [0.068, 0.068, 0.003, 0.003].map(wheel).to_vec();
+    let wheels = vec![Told { spin: speed / 0.467, travel: 0.0 }; 4];
     Observation { wheels, ..Observation::of(pose) }
 }
 

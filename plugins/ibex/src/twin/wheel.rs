@@ -23,9 +23,8 @@ const SCRUB: [f32; 2] = [0.34, 0.44];
 const MOST: f32 = 5.0;
 /// Rolling resistance, per unit load.
 const ROLLING: f32 = 0.015;
-/// The compaction of soil resists with this times the load and the root of the sinkage in diameters: 3/((n + 1)(3 − n)) with Bekker's
-/// exponent n = 1.1 (Bekker, "Introduction to Terrain-Vehicle Systems", 1969). Rear wheels follow in ruts, which have half of it.
-const COMPACTION: [f32; 2] = [0.75, 0.4];
+/// Rear wheels follow in ruts, which resist with this part of what the front wheels overcome.
+const RUTS: [f32; 2] = [1.0, 0.53];
 /// The speed below which resistances end, m/s at full scale.
 const SLOW: f32 = 0.3;
 
@@ -45,6 +44,8 @@ pub(super) struct Wheel {
     pub(super) friction: f32x8,
     /// The depth to which it sinks under its share of the weight, m.
     pub(super) depth: f32x8,
+    /// What resists as that ground is compacted, over the load and the root of the sinkage in diameters.
+    pub(super) compaction: f32x8,
 }
 
 /// What a wheel is given in a step.
@@ -98,7 +99,7 @@ impl Twin {
         let [drive, side] = self.tread(w, load, [forward, aside], torque, dt);
         w.side = side;
 
-        let compaction = all(COMPACTION[rear]) * (w.sunk * all(0.5 / shape.radius)).max(zero).sqrt();
+        let compaction = w.compaction * all(RUTS[rear]) * (w.sunk * all(0.5 / shape.radius)).max(zero).sqrt();
         let resistance = (compaction + all(ROLLING)) * load;
         let against = resistance * within(forward * all(1.0 / (SLOW * shape.root)), one);
         let sunk = sinks(w, load * all(1.0 / shape.share[rear]), dt / shape.root);
@@ -124,12 +125,13 @@ impl Twin {
         let beyond = (w.travel - all(stop)).max(zero) + (w.travel + all(stop)).min(zero);
         let sprung =
             all(share[rear]) + all(spring[rear]) * (w.travel - all(rest[rear])) + all(stiff) * beyond;
-        let stiffness = all(spring[rear] + damper[rear] / dt) + beyond.simd_eq(zero).select(zero, all(stiff));
         let touches = depth.simd_gt(zero);
         let [elastic, damping] = [tyre, tyre_damper].map(|of| touches.select(all(of), zero));
         let hard = elastic + damping * all(1.0 / dt);
-        let pressed = (elastic * depth - damping * leaves) * cosine;
-        let change = (pressed - sprung + besides) / (stiffness + hard * cosine * cosine);
+        let pressed = (elastic * depth - damping * leaves) * cosine - sprung + besides;
+        let damper = pressed.simd_gt(zero).select(all(damper[rear][0] / dt), all(damper[rear][1] / dt));
+        let stiffness = all(spring[rear]) + damper + beyond.simd_eq(zero).select(zero, all(stiff));
+        let change = pressed / (stiffness + hard * cosine * cosine);
         let after = within(w.travel + change, all(travel));
         let changed = after - w.travel;
         w.travel = after;
