@@ -90,7 +90,7 @@ Environment:
   VB_TORCH=1            Let `wheel --check` install what policies are trained with (6 GB), and train a tiny one
   VB_LANGUAGES=1        Let `test` install those compilers too, and fail where one is missing
   VB_PYTHON=PROGRAM     Python for the tests of planners in Python [default: python3]
-  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pyarrow, pillow and pyyaml, if they aren't installed
+  VB_PYTHON_LIBS=DIR    Where it finds numpy, msgpack, pytest, pyarrow, pillow, pyyaml, cyclonedds, mcap and rosbags, if they aren't installed
   VB_SHARED=DIR         Reference data, for tests and compare-chrono [default: shared, beside the repository]";
 
 /// What the usage says of a task; none if there is no such task.

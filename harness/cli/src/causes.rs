@@ -207,6 +207,7 @@ impl From<SubmissionError> for CliError {
             | SubmissionError::Unfinished { .. }
             | SubmissionError::Other { .. }
             | SubmissionError::Command
+            | SubmissionError::Ros
             | SubmissionError::Entry { .. }
             | SubmissionError::Plugin(_) => Self::input(e),
         }

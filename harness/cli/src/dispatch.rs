@@ -19,6 +19,8 @@ impl Command {
     fn run(&self) -> Result<(), CliError> {
         match self {
             Self::Run(args) => crate::run::run(args),
+            #[cfg(feature = "ros")]
+            Self::Ros(args) => crate::ros::ros(args),
             Self::List(args) => crate::list::list(args),
             Self::Merge(args) => crate::merge::merge(args),
             Self::Sweep(command) => command.run(),

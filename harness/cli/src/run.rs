@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
 use serde::Serialize;
-use vb_host::Limits;
+use vb_host::{Limits, Plugin};
 use vb_record::{RunReader, ShardHeader, TraceMode};
 use vb_runner::{FailedStart, RunConfig};
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
@@ -23,14 +23,19 @@ enum Message<'a> {
 }
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
-    let again = |out: &Path| match args.shard {
+    drive_and_tell(args, None)
+}
+
+/// Runs what is said, with this planner in place of the one that is named, and tells what to do next.
+pub(crate) fn drive_and_tell(args: &RunArgs, planner: Option<Plugin>) -> Result<(), CliError> {
+    let again = |out: &Path| match args.drive.shard {
         // Its folder is within that of --out.
         Some(_) => "the same command and --resume".to_owned(),
         None => format!("the same command and --out {} --resume", output::word(out)),
     };
-    let (out, simulated) = drive(args, &again)?;
+    let (out, simulated) = drive_with(args, planner, &again)?;
     if args.format.get() == MessageFormat::Human {
-        next(&out, args.trace);
+        next(&out, args.drive.trace);
     }
     simulated
 }
@@ -57,7 +62,15 @@ pub(crate) fn drive(
     args: &RunArgs,
     again: &dyn Fn(&Path) -> String,
 ) -> Result<(PathBuf, Result<(), CliError>), CliError> {
-    let config = config(args)?;
+    drive_with(args, None, again)
+}
+
+fn drive_with(
+    args: &RunArgs,
+    planner: Option<Plugin>,
+    again: &dyn Fn(&Path) -> String,
+) -> Result<(PathBuf, Result<(), CliError>), CliError> {
+    let config = config_with(args, planner)?;
     let cancel = stop_on_ctrl_c()?;
     let mut progress = Progress::new(args.format.get());
     let result = vb_runner::run(&config, &mut |event| progress.hear(event), &cancel);
@@ -112,17 +125,22 @@ pub(crate) fn drive(
 }
 
 pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
+    config_with(args, None)
+}
+
+/// The configuration of a run, with this planner in place of the one that is named.
+fn config_with(args: &RunArgs, planner: Option<Plugin>) -> Result<RunConfig, CliError> {
     // Cheap checks come first: nobody should wait for a plugin to be compiled to learn of a typing error.
-    let suite = suite::open(&args.suite)?;
-    let tasks = suite::select(&suite, args.tasks.as_deref())?;
-    let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
-    let vehicle = places::catalog().vehicle(&args.vehicle)?;
-    let scale = args.scale.unwrap_or(vehicle.spec.scale);
+    let suite = suite::open(&args.drive.suite)?;
+    let tasks = suite::select(&suite, args.drive.tasks.as_deref())?;
+    let rules = Rules::resolve(&args.drive.rules).map_err(CliError::input)?;
+    let vehicle = places::catalog().vehicle(&args.drive.vehicle)?;
+    let scale = args.drive.scale.unwrap_or(vehicle.spec.scale);
     if let Some(warning) = scale_warning(&vehicle.spec, scale) {
         output::say(&warning);
     }
-    let soils = places::catalog().soils(&args.soils, args.soil_resolution)?;
-    let perception = places::catalog().perception(&args.perception)?;
+    let soils = places::catalog().soils(&args.drive.soils, args.drive.soil_resolution)?;
+    let perception = places::catalog().perception(&args.drive.perception)?;
     let mut limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), limits)?;
     if let Some(fuel) = args.fuel_per_step {
         limits.fuel_per_step = fuel;
@@ -134,29 +152,33 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
     let wanted = args.plugin.path();
-    planner::can_be_confined(wanted, args.planner.require_sandbox)?;
-    let plugin =
-        planner::load(wanted, &limits, args.planner.require_sandbox).map_err(|e| planner::unusable(&e))?;
+    let plugin = match planner {
+        Some(plugin) => plugin,
+        None => {
+            planner::can_be_confined(wanted, args.planner.require_sandbox)?;
+            planner::load(wanted, &limits, args.planner.require_sandbox).map_err(|e| planner::unusable(&e))?
+        }
+    };
     let name = &plugin.metadata().name;
-    let mut out = match &args.out {
+    let mut out = match &args.drive.out {
         Some(out) => out.clone(),
         None => {
-            let last = args.resume.resume.then(|| places::last_run_dir(name)).flatten();
+            let last = args.drive.resume.resume.then(|| places::last_run_dir(name)).flatten();
             last.unwrap_or_else(|| places::new_run_dir(name))
         }
     };
     let (mut tasks, mut shard) = (tasks, None);
-    if let Some(part) = args.shard {
+    if let Some(part) = args.drive.shard {
         shard = Some(ShardHeader { index: part.index(), of: part.of(), tasks: tasks.len() as u64 });
         tasks = part.tasks(&tasks);
         out.push(part.folder());
     }
     // A scheduler gives the same command when it begins a job and when it begins the job again.
-    let resume = args.resume.resume && out.join("run.json").exists();
+    let resume = args.drive.resume.resume && out.join("run.json").exists();
     Ok(RunConfig {
         suite,
         tasks,
-        selector: args.tasks.clone(),
+        selector: args.drive.tasks.clone(),
         shard,
         plugin,
         plugin_path: wanted.to_owned(),
@@ -165,15 +187,15 @@ pub(crate) fn config(args: &RunArgs) -> Result<RunConfig, CliError> {
         soils,
         perception,
         rules,
-        time_step: args.time_step,
+        time_step: args.drive.time_step,
         scale,
-        seed: args.seed,
+        seed: args.drive.seed,
         jobs: args.jobs.get(),
-        trace: args.trace,
-        logs: args.logs,
+        trace: args.drive.trace,
+        logs: args.drive.logs,
         out,
         resume,
-        keep_going: args.keep_going,
+        keep_going: args.drive.keep_going,
         started_at: started_at(),
         harness_version: env!("CARGO_PKG_VERSION").to_owned(),
         harness_commit: env!("VB_COMMIT").to_owned(),

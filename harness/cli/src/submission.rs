@@ -66,13 +66,13 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
         None => {
             let mut wanted = RunArgs::new(args.plugin.path());
             if let Some(suite) = &args.suite {
-                wanted.suite.clone_from(suite);
+                wanted.drive.suite.clone_from(suite);
             }
-            wanted.vehicle.clone_from(&args.vehicle);
-            (wanted.jobs, wanted.logs) = (args.jobs, args.logs);
-            (wanted.format, wanted.keep_going) = (args.format, args.keep_going);
+            wanted.drive.vehicle.clone_from(&args.vehicle);
+            (wanted.jobs, wanted.drive.logs) = (args.jobs, args.logs);
+            (wanted.format, wanted.drive.keep_going) = (args.format, args.keep_going);
             // The run is submitted when it is whole.
-            wanted.resume.resume = args.resume;
+            wanted.drive.resume.resume = args.resume;
             run::drive(&wanted, &|_| "the same command and --resume".to_owned())?
         }
     };
@@ -265,12 +265,12 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     args.out.as_deref().map(output::must_be_replaceable).transpose()?;
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
     let mut wanted = RunArgs::new(plugin);
-    wanted.suite = suite.dir().to_owned();
-    (wanted.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
-    wanted.perception.clone_from(&args.perception);
-    (wanted.trace, wanted.out) = (TraceMode::None, Some(scratch.path().join("run")));
+    wanted.drive.suite = suite.dir().to_owned();
+    (wanted.drive.vehicle, wanted.jobs) = (args.vehicle.clone(), args.jobs);
+    wanted.drive.perception.clone_from(&args.perception);
+    (wanted.drive.trace, wanted.drive.out) = (TraceMode::None, Some(scratch.path().join("run")));
     // A planner's own words may tell of the suite, and one that fails in all tasks has its scores, too.
-    wanted.keep_going = true;
+    wanted.drive.keep_going = true;
     let config = run::config(&wanted)?;
     // Stopped in good order, so that the folder with the run is removed.
     let cancel = run::stop_on_ctrl_c()?;

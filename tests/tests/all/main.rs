@@ -24,6 +24,7 @@ mod policies;
 mod processes;
 mod proof;
 mod replays;
+mod ros;
 mod scoring;
 mod shards;
 mod shell;

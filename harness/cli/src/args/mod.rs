@@ -7,6 +7,8 @@ mod exit_codes;
 mod list;
 mod plugin;
 mod results;
+#[cfg(feature = "ros")]
+mod ros;
 mod run;
 mod shell;
 #[cfg(feature = "terrain")]
@@ -43,6 +45,8 @@ pub(crate) use plugin::{InspectArgs, InstallArgs, Language, NewArgs, PluginComma
 #[cfg(feature = "replay")]
 pub(crate) use results::{CameraName, FilmArgs, ReplayArgs};
 pub(crate) use results::{ReplayData, ReportArgs};
+#[cfg(feature = "ros")]
+pub(crate) use ros::RosArgs;
 pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 #[cfg(feature = "terrain")]
@@ -124,6 +128,10 @@ pub(crate) enum Command {
     /// Run a planner over a suite
     #[command(after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]))]
     Run(RunArgs),
+    /// Run a planner that is a ROS 2 node over a suite, in lockstep over DDS
+    #[cfg(feature = "ros")]
+    #[command(after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]))]
+    Ros(RosArgs),
     /// List what is shipped or installed: suites, vehicles, planners, rules, soils, perception profiles
     List(ListArgs),
     /// Join the shards of a run
@@ -357,12 +365,21 @@ mod tests {
     fn the_defaults_of_a_run_are_those_of_the_benchmark() {
         let run = RunArgs::new(std::path::Path::new("-a.wasm"));
         assert_eq!(run.plugin.path(), std::path::Path::new("-a.wasm"));
-        let names = [&run.rules, &run.vehicle, &run.soils, &run.perception].map(String::as_str);
+        let super::run::DriveArgs { rules, vehicle, soils, perception, .. } = &run.drive;
+        let names = [rules, vehicle, soils, perception].map(String::as_str);
         assert_eq!(names, ["paper", "hmmwv", "default", "oracle"]);
-        assert_eq!(run.suite, std::path::Path::new("vb-100"));
-        assert_eq!((run.time_step, run.soil_resolution, run.seed), (0.001, 0.1, 0));
-        assert_eq!((run.trace, run.logs), (vb_record::TraceMode::TenHz, vb_record::LogMode::Failed));
-        assert!(run.tasks.is_none() && run.out.is_none() && run.scale.is_none() && !run.resume.resume);
+        assert_eq!(run.drive.suite, std::path::Path::new("vb-100"));
+        assert_eq!((run.drive.time_step, run.drive.soil_resolution, run.drive.seed), (0.001, 0.1, 0));
+        assert_eq!(
+            (run.drive.trace, run.drive.logs),
+            (vb_record::TraceMode::TenHz, vb_record::LogMode::Failed)
+        );
+        assert!(
+            run.drive.tasks.is_none()
+                && run.drive.out.is_none()
+                && run.drive.scale.is_none()
+                && !run.drive.resume.resume
+        );
         let parsed = parsed_run(&["run", "--plugin=-a.wasm"]);
         assert_eq!(format!("{run:?}"), format!("{parsed:?}"));
         // Where the default depends on another option it is in the text alone.

@@ -21,6 +21,23 @@ pub(crate) struct RunArgs {
     pub(crate) plugin: PluginArgs,
     #[command(flatten)]
     pub(crate) planner: PlannerArgs,
+    #[command(flatten)]
+    pub(crate) jobs: JobsArgs,
+    #[command(flatten)]
+    pub(crate) drive: DriveArgs,
+    /// Fuel limit of a WASM planner per step (about one unit per instruction); overrides --limits
+    #[arg(long, value_name = "N")]
+    pub(crate) fuel_per_step: Option<u64>,
+    /// Memory limit of a WASM or native planner, bytes, or with suffix K, M or G; overrides --limits
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) memory: Option<u64>,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// What is driven and recorded, whoever drives.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DriveArgs {
     /// Suite: a directory, or the name of a shipped suite
     #[arg(long, value_name = "NAME|DIR", default_value = vb_catalog::DEFAULT_SUITE)]
     pub(crate) suite: PathBuf,
@@ -28,8 +45,6 @@ pub(crate) struct RunArgs {
     /// are alternatives); default: all
     #[arg(long, value_name = "SELECTOR")]
     pub(crate) tasks: Option<String>,
-    #[command(flatten)]
-    pub(crate) jobs: JobsArgs,
     /// Run directory to write; default: runs/PLANNER-N, with --resume the last of them
     #[arg(short, long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -79,14 +94,6 @@ pub(crate) struct RunArgs {
     /// Factor on all lengths of the world, 0.01 to 10, e.g. 1/6; default: the vehicle's scale
     #[arg(long, value_name = "FACTOR", value_parser = scale)]
     pub(crate) scale: Option<f64>,
-    /// Fuel limit of a WASM planner per step (about one unit per instruction); overrides --limits
-    #[arg(long, value_name = "N")]
-    pub(crate) fuel_per_step: Option<u64>,
-    /// Memory limit of a WASM or native planner, bytes, or with suffix K, M or G; overrides --limits
-    #[arg(long, value_name = "BYTES", value_parser = bytes)]
-    pub(crate) memory: Option<u64>,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
 }
 
 impl RunArgs {

@@ -199,13 +199,13 @@ fn evaluate(
     let out = args.drawn.out.join("runs").join(format!("{name}-{}", &key[..8]));
     let mut drive = RunArgs::new(plugin(args)?);
     drive.planner.params.clone_from(&args.calibration.plugin_params);
-    drive.suite = dir;
-    drive.vehicle = vehicle.to_owned();
+    drive.drive.suite = dir;
+    drive.drive.vehicle = vehicle.to_owned();
     drive.jobs = args.calibration.jobs;
-    drive.trace = TraceMode::None;
-    drive.logs = LogMode::None;
-    drive.resume.resume = true;
-    drive.out = Some(out.clone());
+    drive.drive.trace = TraceMode::None;
+    drive.drive.logs = LogMode::None;
+    drive.drive.resume.resume = true;
+    drive.drive.out = Some(out.clone());
     let config = run::config(&drive)?;
     let report = vb_runner::run(&config, &mut |_| {}, cancel)?;
     if report.interrupted {

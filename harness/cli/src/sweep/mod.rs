@@ -48,14 +48,14 @@ impl Sweep {
         let mut args = RunArgs::new(&places::plugin(planned.plugin.clone().into()));
         args.planner.params = planned.params.clone().into_iter().collect();
         if let Some(suite) = &self.spec.suite {
-            args.suite = suite.into();
+            args.drive.suite = suite.into();
         }
-        args.tasks.clone_from(&self.spec.tasks);
-        args.rules.clone_from(&self.spec.rules);
-        args.trace = self.spec.trace;
-        args.vehicle.clone_from(&planned.vehicle);
-        args.perception.clone_from(&planned.perception);
-        args.seed = planned.seed;
+        args.drive.tasks.clone_from(&self.spec.tasks);
+        args.drive.rules.clone_from(&self.spec.rules);
+        args.drive.trace = self.spec.trace;
+        args.drive.vehicle.clone_from(&planned.vehicle);
+        args.drive.perception.clone_from(&planned.perception);
+        args.drive.seed = planned.seed;
         args
     }
 

@@ -84,13 +84,13 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
     for (planned, k) in sweep.spec.runs().iter().zip(0u64..) {
         let mut run = sweep.args(planned);
         run.jobs = args.jobs;
-        run.keep_going = args.keep_going;
+        run.drive.keep_going = args.keep_going;
         // Runs that are not begun yet are begun.
-        run.resume.resume = true;
+        run.drive.resume.resume = true;
         let (dir, tasks) = match args.shard {
             None => {
                 let dir = sweep.layout.run(&planned.name);
-                run.out = Some(dir.clone());
+                run.drive.out = Some(dir.clone());
                 (dir, sweep.tasks.len())
             }
             Some(shard) => {
@@ -100,8 +100,8 @@ fn parts<'a>(sweep: &'a Sweep, args: &SweepRunArgs) -> Vec<Part<'a>> {
                 if tasks == 0 {
                     continue;
                 }
-                run.shard = Some(shard);
-                run.out = Some(sweep.layout.shards(&planned.name));
+                run.drive.shard = Some(shard);
+                run.drive.out = Some(sweep.layout.shards(&planned.name));
                 (sweep.layout.shards(&planned.name).join(shard.folder()), tasks)
             }
         };

@@ -143,6 +143,18 @@ pub enum FaultCause {
     /// The process that runs native planners can't be started or confined.
     #[error("the planner's process can't be run: {message}")]
     Worker { message: String },
+    /// No external planner connected within the time limit.
+    #[error("{message}")]
+    PeerMissing { message: String },
+    /// The external planner left during the task.
+    #[error("{message}")]
+    PeerLeft { message: String },
+    /// The external planner did not answer within the time limit.
+    #[error("{message}")]
+    PeerLate { message: String },
+    /// The external planner sent messages that can't be used.
+    #[error("{message}")]
+    PeerProtocol { message: String },
 }
 
 impl FaultCause {
@@ -177,9 +189,9 @@ impl FaultCause {
             }
             Self::ImportDenied { .. } => FaultCode::ImportDenied,
             Self::AbiMismatch { .. } => FaultCode::AbiMismatch,
-            Self::Crashed { .. } => FaultCode::Crashed,
-            Self::Hung { .. } => FaultCode::Hung,
-            Self::Protocol { .. } => FaultCode::Protocol,
+            Self::Crashed { .. } | Self::PeerLeft { .. } => FaultCode::Crashed,
+            Self::Hung { .. } | Self::PeerMissing { .. } | Self::PeerLate { .. } => FaultCode::Hung,
+            Self::Protocol { .. } | Self::PeerProtocol { .. } => FaultCode::Protocol,
             Self::Machine { .. } => FaultCode::Machine,
             Self::Watchdog { .. } => FaultCode::Watchdog,
             Self::Worker { .. } => FaultCode::Worker,
@@ -240,6 +252,14 @@ impl FaultCause {
                 "the machine is overloaded: lower --jobs or raise watchdog_ms (run --limits); run --resume runs the task again"
             }
             Self::Worker { .. } => "see what the system refused; run --resume runs the task again",
+            Self::PeerMissing { .. } => {
+                "start the node first, with the same ROS_DOMAIN_ID and a network interface in common (docs/ros2.md)"
+            }
+            Self::PeerLeft { .. } => "see what the node printed before it ended",
+            Self::PeerLate { .. } => {
+                "answer each new time on /clock with one command, or call /vertibench/step, or raise --answer-timeout (docs/ros2.md)"
+            }
+            Self::PeerProtocol { .. } => "docs/ros2.md lists the topics with their types and QoS",
         }
     }
 

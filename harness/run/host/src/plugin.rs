@@ -10,8 +10,10 @@ use vb_sdk::{Command, Observation, Param, Task};
 use vb_worker::sandbox::SandboxReport;
 
 use crate::abi::AbiVersion;
+use crate::external::{External, ExternalSession};
 use crate::fault::{FaultCause, PlannerFault};
 use crate::inspect::{self, Format};
+use crate::log::Log;
 use crate::native::{self, ProcessOptions, ProcessPlugin, ProcessSession};
 use crate::wasm::{WasmPlugin, WasmSession};
 use crate::{Limits, LoadError, LogSink, ParamError};
@@ -25,6 +27,8 @@ pub enum PluginKind {
     Native,
     /// The plugin is a command that the user gave, with all that the user may do. It is not eligible for ranking.
     Command,
+    /// The planner is a ROS 2 node that the user started. It is not eligible for ranking.
+    Ros,
 }
 
 impl PluginKind {
@@ -35,6 +39,16 @@ impl PluginKind {
             Self::Wasm => "wasm",
             Self::Native => "native",
             Self::Command => "command",
+            Self::Ros => "ros",
+        }
+    }
+
+    /// Whether results of such planners are eligible for ranking: the planner is a file that others can run as well.
+    #[must_use]
+    pub fn is_eligible(self) -> bool {
+        match self {
+            Self::Wasm | Self::Native => true,
+            Self::Command | Self::Ros => false,
         }
     }
 }
@@ -57,6 +71,7 @@ enum Code {
     Wasm(WasmPlugin),
     Native(ProcessPlugin, SandboxReport),
     Command(ProcessPlugin),
+    External(PluginKind, Arc<dyn External>),
 }
 
 impl Plugin {
@@ -113,12 +128,39 @@ impl Plugin {
         Ok(Self(Arc::new(Inner { abi, metadata, sha256, limits, code: Code::Command(plugin) })))
     }
 
+    /// A planner that runs outside of the harness and is reached by `external`; `identity` is the hash by which records know it.
+    #[must_use]
+    pub fn external(
+        kind: PluginKind,
+        metadata: Metadata,
+        identity: &str,
+        limits: &Limits,
+        external: Arc<dyn External>,
+    ) -> Self {
+        Self(Arc::new(Inner {
+            abi: AbiVersion::NEWEST,
+            metadata,
+            sha256: identity.to_owned(),
+            limits: limits.clone(),
+            code: Code::External(kind, external),
+        }))
+    }
+
+    /// Descriptions of departures from repeatable results, such as a dependence on the speed of the machine. Results are marked with them.
+    #[must_use]
+    pub fn departures(&self) -> Vec<String> {
+        match &self.0.code {
+            Code::External(_, external) => external.departures(),
+            Code::Wasm(_) | Code::Native(..) | Code::Command(_) => Vec::new(),
+        }
+    }
+
     /// The confinement of the process of a native library; `None` for other plugins.
     #[must_use]
     pub fn sandbox(&self) -> Option<&SandboxReport> {
         match &self.0.code {
             Code::Native(_, sandbox) => Some(sandbox),
-            Code::Wasm(_) | Code::Command(_) => None,
+            Code::Wasm(_) | Code::Command(_) | Code::External(..) => None,
         }
     }
 
@@ -133,7 +175,7 @@ impl Plugin {
     }
 
     /// The SHA-256 of the plugin file, hexadecimal; for a command, that of its words and of the content of those that
-    /// are files.
+    /// are files; for an external planner, what was given as its identity.
     #[must_use]
     pub fn sha256(&self) -> &str {
         &self.0.sha256
@@ -145,6 +187,7 @@ impl Plugin {
             Code::Wasm(_) => PluginKind::Wasm,
             Code::Native(..) => PluginKind::Native,
             Code::Command(_) => PluginKind::Command,
+            Code::External(kind, _) => kind,
         }
     }
 
@@ -173,6 +216,12 @@ impl Plugin {
             }
             Code::Native(plugin, _) | Code::Command(plugin) => {
                 plugin.start(task, log, &self.0.limits).map(|s| SessionKind::Process(Box::new(s)))
+            }
+            Code::External(_, external) => {
+                let mut log = Log::new(log, self.0.limits.log_bytes);
+                external
+                    .start(task, Box::new(move |level, line| log.write(level, line)))
+                    .map(SessionKind::External)
             }
         };
         let inner = inner.map_err(|cause| PlannerFault { step: None, time: None, cause: cause.in_init() })?;
@@ -253,6 +302,7 @@ pub struct Session {
 enum SessionKind {
     Wasm(Box<WasmSession>),
     Process(Box<ProcessSession>),
+    External(Box<dyn ExternalSession>),
 }
 
 /// The fuel that a session has used.
@@ -279,6 +329,7 @@ impl Session {
         let result = match &mut self.inner {
             SessionKind::Wasm(session) => session.step(observation),
             SessionKind::Process(session) => session.step(observation),
+            SessionKind::External(session) => session.step(observation),
         };
         let step = self.steps;
         self.steps += 1;
@@ -294,7 +345,7 @@ impl Session {
     pub fn memory_bytes(&self) -> Option<u64> {
         match &self.inner {
             SessionKind::Wasm(session) => Some(session.memory_bytes()),
-            SessionKind::Process(_) => None,
+            SessionKind::Process(_) | SessionKind::External(_) => None,
         }
     }
 
@@ -309,7 +360,7 @@ impl Session {
     pub fn fuel(&self) -> Option<FuelMeter> {
         match &self.inner {
             SessionKind::Wasm(session) => Some(session.fuel()),
-            SessionKind::Process(_) => None,
+            SessionKind::Process(_) | SessionKind::External(_) => None,
         }
     }
 }

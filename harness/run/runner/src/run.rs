@@ -255,7 +255,8 @@ fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
     check_perception(&config.plugin, perception)?;
     let params = config.plugin.params(&config.params)?;
     let (step, scale, seed) = (config.time_step, config.scale, config.seed);
-    let setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
+    let mut setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
+    setting.departures.extend(config.plugin.departures());
     Ok(Prepared { setting, wants: wants(&config.plugin, perception, params) })
 }
 
@@ -308,7 +309,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             path: config.plugin_path.display().to_string(),
             control_period: metadata.control_period,
             sensors: config.perception.sensors_of(metadata).iter().map(ToString::to_string).collect(),
-            eligible_for_ranking: config.plugin.kind() != vb_host::PluginKind::Command,
+            eligible_for_ranking: config.plugin.kind().is_eligible(),
             sandbox: config.plugin.sandbox().map(|s| SandboxHeader {
                 landlock: s.landlock,
                 seccomp: s.seccomp,

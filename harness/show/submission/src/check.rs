@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use vb_host::{Plugin, PluginKind};
+use vb_host::Plugin;
 use vb_record::{RUN_SCHEMA, RunHeader, TraceMode, differences};
 use vb_score::{Outcome, Summary, TaskRecord};
 use vb_sense::Profile;
@@ -273,7 +273,7 @@ pub(crate) fn check_plugin(m: &Manifest, plugin: &Plugin, perception: &Profile, 
     same(found, "plugin", "run.plugin.version", &p.version, &plugin.metadata().version);
     same(found, "plugin", "run.plugin.kind", p.kind.as_str(), plugin.kind().name());
     same(found, "plugin", "run.plugin.control_period", &p.control_period, &plugin.metadata().control_period);
-    let eligible = plugin.kind() != PluginKind::Command;
+    let eligible = plugin.kind().is_eligible();
     let sensors: Vec<_> = perception.sensors_of(plugin.metadata()).iter().map(ToString::to_string).collect();
     same(found, "plugin", "run.plugin.sensors", &p.sensors.join(", "), &sensors.join(", "));
     same(found, "plugin", "run.plugin.eligible_for_ranking", &p.eligible_for_ranking, &eligible);

@@ -51,6 +51,8 @@ pub enum SubmissionError {
     },
     #[error("a command can't be submitted: nobody else has what it starts (build the planner as WASM)")]
     Command,
+    #[error("a run of a ROS 2 node can't be submitted: nobody else has the node (build the planner as WASM)")]
+    Ros,
     #[error("{field}: {problem}")]
     Entrant { field: &'static str, problem: String },
     #[error("--replays: {task}: {problem}")]

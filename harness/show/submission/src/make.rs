@@ -93,6 +93,9 @@ fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), Sub
     if request.plugin.kind() == PluginKind::Command || header.plugin.kind == PluginKind::Command.name() {
         return Err(SubmissionError::Command);
     }
+    if header.plugin.kind == PluginKind::Ros.name() {
+        return Err(SubmissionError::Ros);
+    }
     if header.schema != RUN_SCHEMA || header.harness_version != request.harness_version {
         return Err(SubmissionError::Version {
             path: run.to_owned(),

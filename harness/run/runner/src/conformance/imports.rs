@@ -25,6 +25,6 @@ pub(super) fn check(kit: &Kit<'_>, plugin: &Plugin) -> Check {
                 Check::warn(NAME, detail, "check it on a system that can")
             }
         }
-        _ => Check::skip(NAME, "a command may do all that its user may do"),
+        _ => Check::skip(NAME, "a planner of this kind may do all that its user may do"),
     }
 }

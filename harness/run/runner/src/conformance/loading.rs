@@ -21,6 +21,13 @@ pub(super) fn loaded(plugin: &Plugin) -> Check {
                 "results of commands are not eligible for ranking; build for WASM for that",
             );
         }
+        PluginKind::Ros => {
+            return Check::warn(
+                NAME,
+                "as a node of ROS 2, which is not confined",
+                "results of ROS 2 nodes are not eligible for ranking; build for WASM for that",
+            );
+        }
     };
     Check::pass(NAME, kind)
 }
