@@ -8,7 +8,7 @@ use serde::Serialize;
 use vb_record::{RunHeader, RunReader};
 use vb_replay::{
     Links, Motion, PlannerSeries, Repeat, Replay, ReplayError, ReplayRun, SCRIPT_FILE, Sensed, Sensors,
-    Setting, page, write_mcap,
+    Setting, page, write_mcap, write_ros2_mcap,
 };
 use vb_report::Runs;
 use vb_score::{Rules, TaskRecord};
@@ -18,7 +18,7 @@ use vb_sim::{SimOptions, Soils};
 use vb_vehicle::{VehicleModel, VehicleSpec};
 use vb_world::{Suite, TaskId, World};
 
-use crate::args::{MessageFormat, ReplayArgs, ReplayData};
+use crate::args::{McapArgs, McapProfile, MessageFormat, ReplayArgs, ReplayData};
 use crate::error::CliError;
 use crate::places::{self, suite_of};
 use crate::{film, output};
@@ -72,7 +72,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
         ));
     }
     if let Some(path) = &args.mcap {
-        mcap(path, &replay)?;
+        mcap(path, &replay, args.profile)?;
     }
     if filmed {
         film::write(&replay, &args.film, args.format.get())?;
@@ -153,11 +153,15 @@ pub(crate) fn pages(
     Ok(made)
 }
 
-/// Writes a replay for Foxglove.
-pub(crate) fn mcap(path: &Path, replay: &Replay) -> Result<(), CliError> {
+/// Writes a replay as an MCAP file.
+pub(crate) fn mcap(path: &Path, replay: &Replay, profile: McapArgs) -> Result<(), CliError> {
+    let write = match profile.mcap_profile {
+        McapProfile::Foxglove => write_mcap,
+        McapProfile::Ros2 => write_ros2_mcap,
+    };
     output::whole(path, |file| {
         let file = file.try_clone().map_err(|e| output::unwritten(path, &e))?;
-        write_mcap(replay, file, path).map_err(CliError::output)
+        write(replay, file, path).map_err(CliError::output)
     })
 }
 

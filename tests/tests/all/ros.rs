@@ -66,8 +66,9 @@ fn a_node_is_recorded_scored_and_replayed_as_other_planners() {
     // Nothing of a record depends on when answers come, nor on the task before.
     mini.ok(&ros(&domain, &["--tasks", "w002/t00", "--out", "again"]));
     assert_eq!(mini.bench.records("again")["w002/t00"]["state_hash"], first["w002/t00"]["state_hash"]);
-    // `replay` simulates the recorded commands again and compares the state hash.
-    mini.ok(&["replay", "run", "--task", "w001/t00", "--mcap", "task.mcap"]);
+    // `replay` simulates the recorded commands again and compares the state hash; the bag is a bag of ROS 2.
+    mini.ok(&["replay", "run", "--task", "w001/t00", "--mcap", "task.mcap", "--profile", "ros2"]);
+    assert!(std::fs::read(mini.path("task.mcap")).unwrap().starts_with(b"\x89MCAP0\r\n"));
     mini.ok(&["report", "run", "--out", "report"]);
     assert!(std::fs::read_to_string(mini.path("report/index.html")).unwrap().contains("pure-pursuit"));
     drop(node);

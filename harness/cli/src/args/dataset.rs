@@ -8,7 +8,7 @@ use vb_dataset::Part;
 
 use super::exit_codes::{codes, resumed};
 use super::values::{duration, key_value, planner, positive, scale};
-use super::{ForceArgs, FormatArgs, JobsArgs, PERCEPTION, RULES, ResumeArgs, SOILS, VEHICLE};
+use super::{ForceArgs, FormatArgs, JobsArgs, McapArgs, PERCEPTION, RULES, ResumeArgs, SOILS, VEHICLE};
 use crate::error::{HOST_ERRORS, INTERRUPTED, NOT_VERIFIED};
 
 #[derive(Debug, Subcommand)]
@@ -133,6 +133,8 @@ pub(crate) struct DatasetMcapArgs {
     /// Directory for the files, one per episode
     #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) profile: McapArgs,
     #[command(flatten)]
     pub(crate) force: ForceArgs,
     /// Episode numbers, e.g. 3,10-19; default: all

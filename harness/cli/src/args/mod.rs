@@ -43,7 +43,7 @@ use exit_codes::{codes, resumed};
 pub(crate) use list::{ListArgs, Listed};
 pub(crate) use plugin::{InspectArgs, InstallArgs, Language, NewArgs, PluginCommand, StampArgs};
 #[cfg(feature = "replay")]
-pub(crate) use results::{CameraName, FilmArgs, ReplayArgs};
+pub(crate) use results::{CameraName, FilmArgs, McapArgs, McapProfile, ReplayArgs};
 pub(crate) use results::{ReplayData, ReportArgs};
 #[cfg(feature = "ros")]
 pub(crate) use ros::RosArgs;

@@ -137,6 +137,26 @@ pub(crate) struct FilmArgs {
     pub(crate) no_captions: bool,
 }
 
+/// The messages of MCAP files.
+#[cfg(feature = "replay")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum McapProfile {
+    /// Foxglove's schemas, with the world and the vehicle as solids.
+    #[default]
+    Foxglove,
+    /// Messages of ROS 2, as in bags of rosbag2.
+    Ros2,
+}
+
+/// Which messages MCAP files have.
+#[cfg(feature = "replay")]
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct McapArgs {
+    /// Messages of MCAP files: Foxglove's schemas, or those of ROS 2
+    #[arg(long = "profile", value_name = "PROFILE", value_enum, default_value_t)]
+    pub(crate) mcap_profile: McapProfile,
+}
+
 #[cfg(feature = "replay")]
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
@@ -156,9 +176,11 @@ pub(crate) struct ReplayArgs {
     /// HTML file for the replay; default: a temporary file, opened in the browser
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Write an MCAP file with Foxglove schemas; no HTML replay without --out
+    /// Write an MCAP file; no HTML replay without --out
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) profile: McapArgs,
     #[command(flatten)]
     pub(crate) data: ReplayData,
     #[command(flatten)]

@@ -158,7 +158,7 @@ pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
         let episode = episode?;
         let world = worlds.load(&episode.info.world)?;
         let path = args.out.join(file(*index, "mcap"));
-        replay::mcap(&path, &clip(&dataset, *index, &episode, &world, &vehicle))?;
+        replay::mcap(&path, &clip(&dataset, *index, &episode, &world, &vehicle), args.profile)?;
         files.push(path);
     }
     if args.format.is_json() {

@@ -12,7 +12,8 @@ use foxglove::messages::{FrameTransforms, Grid, Log, Odometry, PointCloud, RawIm
 use sha2::{Digest as _, Sha256};
 use vb_record::{DebugEntry, Sample, TRACE_SCHEMA, Trace, TraceMeta, TraceMode, TraceRecorder, WheelSample};
 use vb_replay::{
-    Link, Links, Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page, write_mcap,
+    Link, Links, Motion, PlannerSeries, Repeat, Replay, ReplayRun, Sensed, Sensors, Setting, page,
+    write_mcap, write_ros2_mcap,
 };
 use vb_score::{Cause, Outcome, Rules, TaskRecord};
 use vb_sdk::metadata::Need;
@@ -543,4 +544,95 @@ fn a_page_of_many_scans_stays_small() {
     let page = page(&replay, &Links::default(), None);
     assert!(page.len() < 16 << 20, "{}", page.len());
     assert!(page.contains("\"scans_of\":6000"));
+}
+
+/// What libraries of others find in a bag; skips the test where they are missing.
+fn read_by_others(bag: &std::path::Path) -> Option<serde_json::Value> {
+    let program = std::env::var("VB_PYTHON").unwrap_or_else(|_| "python3".into());
+    let python = || {
+        let mut python = std::process::Command::new(&program);
+        if let Some(folder) = std::env::var_os("VB_PYTHON_LIBS") {
+            python.env("PYTHONPATH", folder);
+        }
+        python
+    };
+    let found = python().args(["-c", "import mcap.reader, rosbags.typesys"]).output();
+    if !found.is_ok_and(|output| output.status.success()) {
+        vb_testing::skip(format_args!(
+            "{program} lacks mcap or rosbags (pip install mcap rosbags, or set VB_PYTHON or VB_PYTHON_LIBS)"
+        ));
+        return None;
+    }
+    let script = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bag.py");
+    let told = python().arg(script).arg(bag).output().unwrap();
+    assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
+    Some(serde_json::from_slice(&told.stdout).unwrap())
+}
+
+#[test]
+fn a_bag_has_messages_of_ros_2_that_libraries_of_others_read() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let mut replay = drive.replay("pid");
+    replay.runs[0].sensed = drive.sensed("onboard");
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("t.mcap");
+    write_ros2_mcap(&replay, std::fs::File::create(&path).unwrap(), &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        *counts.entry(message.unwrap().channel.topic.clone()).or_default() += 1;
+    }
+    let motion = &replay.runs[0].motion;
+    let n = motion.frames.len();
+    for (topic, wanted) in [
+        ("/tf", n),
+        ("/ground_truth", n),
+        ("/controls", n),
+        ("/joint_states", n),
+        ("/plan", 1),
+        ("/points", 40),
+        ("/imu/data", 200),
+    ] {
+        assert_eq!(counts.get(topic), Some(&wanted), "{topic}: {counts:?}");
+    }
+    let Some(told) = read_by_others(&path) else { return };
+    assert_eq!(told["profile"], "ros2");
+    for (topic, about) in told["topics"].as_object().unwrap() {
+        assert_eq!(about["hash"], true, "{topic}: {about}");
+        assert_eq!(about["count"], counts[topic], "{topic}");
+    }
+    let last = motion.frames.last().unwrap();
+    let values = &told["values"];
+    assert_eq!(values["position"], serde_json::json!([last.x, last.y, last.z]));
+    assert_eq!((&values["time"], &values["stamp"]), (&4_000_000_000_u64.into(), &4_000_000_000_u64.into()));
+    assert_eq!(values["child"], "base_link");
+    let joints = ["left_wheel_0_joint", "right_wheel_0_joint", "left_wheel_1_joint", "right_wheel_1_joint"];
+    assert_eq!(values["joints"], serde_json::json!(joints));
+    // The speeds are those of the angles.
+    let [drift, turned] = ["drift", "turned"].map(|name| values[name].as_f64().unwrap());
+    assert!(drift < 1e-6 && turned > 1.0, "{values}");
+    let info = replay.runs[0].sensed.lidar.unwrap();
+    let wanted = serde_json::json!([
+        info.rows,
+        info.cols,
+        20 * info.rows * info.cols,
+        ["x", "y", "z", "time", "ring"]
+    ]);
+    assert_eq!(values["cloud"], wanted);
+}
+
+#[test]
+fn topics_and_frames_of_several_runs_begin_with_the_run() {
+    let drive = Drive::new(TraceMode::TenHz);
+    let mut replay = drive.replay("pid");
+    replay.runs.push(replay.runs[0].clone());
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("t.mcap");
+    write_ros2_mcap(&replay, std::fs::File::create(&path).unwrap(), &path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let messages = mcap::MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    let topics: BTreeSet<String> = messages.map(|m| m.channel.topic.clone()).collect();
+    let of_runs = ["controls", "ground_truth", "outcome"]
+        .map(|name| [format!("/run0/{name}"), format!("/run1/{name}")]);
+    assert!(of_runs.iter().flatten().all(|topic| topics.contains(topic)), "{topics:?}");
 }
