@@ -146,7 +146,7 @@ fn meant(text: &str, given: &[String]) -> Option<String> {
     let left_out = |name: &str| match name {
         "dataset" if cfg!(not(feature = "dataset")) => Some("dataset"),
         "replay" if cfg!(not(feature = "replay")) => Some("replay"),
-        "ros" if cfg!(not(feature = "ros")) => Some("ros"),
+        "bag" | "ros" if cfg!(not(feature = "ros")) => Some("ros"),
         "teleop" if cfg!(not(feature = "teleop")) => Some("teleop"),
         "import" | "site" | "terrain" if cfg!(not(feature = "terrain")) => Some("terrain"),
         _ => None,

@@ -4,6 +4,7 @@
 //! `cargo xtask fuzz` runs them under libFuzzer (`tests/fuzz/libfuzzer`); the tests of this crate run seeds and their
 //! mutations with every test run, so that targets and readers stay in step.
 
+mod bag;
 mod dataset;
 mod import;
 mod limits;
@@ -54,6 +55,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "dataset", run: dataset::run, seeds: dataset::seeds },
     Target { name: "manifest", run: manifest::run, seeds: manifest::seeds },
     Target { name: "weights", run: weights::run, seeds: weights::seeds },
+    Target { name: "bag", run: bag::run, seeds: bag::seeds },
 ];
 
 /// The target of this name.

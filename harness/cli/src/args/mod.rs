@@ -59,6 +59,8 @@ pub(crate) use suite::{
 pub(crate) use sweep::{SweepArgs, SweepCommand, SweepRunArgs};
 #[cfg(feature = "terrain")]
 pub(crate) use terrain::{FitArgs, MeasureArgs, SurfaceArgs, TerrainCommand, TrainArgs};
+#[cfg(feature = "ros")]
+pub(crate) use vehicle::VehicleBagArgs;
 pub(crate) use vehicle::{
     VehicleArgs, VehicleCommand, VehicleCompareArgs, VehicleImportArgs, VehicleShowArgs, VehicleTestArgs,
 };

@@ -24,6 +24,9 @@ pub(crate) enum VehicleCommand {
     Test(VehicleTestArgs),
     /// Replay recorded wheel speeds of a skid-steered vehicle, and compare its motion with the recording
     Compare(VehicleCompareArgs),
+    /// Convert a bag of ROS 2 (odometry, wheel speeds or velocity commands) into a recording for vehicle compare
+    #[cfg(feature = "ros")]
+    Bag(VehicleBagArgs),
     /// Convert a vehicle of another program (JSON set of Project Chrono, URDF, xacro) into a vehicle file
     Import(VehicleImportArgs),
 }
@@ -101,6 +104,38 @@ pub(crate) struct VehicleCompareArgs {
     /// Simulation step, s or with a unit (0.01ms to 10ms)
     #[arg(long, value_name = "TIME", default_value_t = TIME_STEP, value_parser = duration)]
     pub(crate) time_step: f64,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[cfg(feature = "ros")]
+#[derive(Debug, Args)]
+pub(crate) struct VehicleBagArgs {
+    /// Vehicle: a name or a file
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) vehicle: String,
+    /// Bag of ROS 2: an MCAP file, or the folder of a bag with MCAP files
+    #[arg(value_name = "BAG")]
+    pub(crate) bag: PathBuf,
+    /// CSV file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    /// Topic of the poses (nav_msgs/msg/Odometry); default: the only one
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) odometry: Option<String>,
+    /// Topic of the wheel speeds (sensor_msgs/msg/JointState; joints with left and right in their names) or of the velocity commands
+    /// (geometry_msgs/msg/Twist or TwistStamped); default: the only one with wheel speeds, else the only one with commands
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) speeds: Option<String>,
+    /// Topic of an inertial sensor (sensor_msgs/msg/Imu, z axis up), whose yaw rate gives the heading within a window; default: the heading
+    /// of the odometry
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) imu: Option<String>,
+    /// Duration of a window, s or with a unit (0.2s to 10min)
+    #[arg(long, value_name = "TIME", default_value = "2s", value_parser = duration)]
+    pub(crate) window: f64,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }

@@ -1,5 +1,7 @@
 //! `vb-harness vehicle`.
 
+#[cfg(feature = "ros")]
+mod bag;
 mod compare;
 mod picture;
 mod standing;
@@ -31,6 +33,8 @@ impl VehicleCommand {
             Self::Validate(args) => validate(args),
             Self::Test(args) => test(args),
             Self::Compare(args) => compare::compare(args),
+            #[cfg(feature = "ros")]
+            Self::Bag(args) => bag::convert(args),
             Self::Import(args) => import(args),
         }
     }

@@ -56,6 +56,13 @@ impl<'a> Bench<'a> {
         Characteristics::new(self)
     }
 
+    /// Radius of the wheels on level ground and smallest distance between the wheels of an axle, m: those of the kinematics without slip in
+    /// comparisons with recordings.
+    #[must_use]
+    pub fn radius_and_track(&self) -> [f64; 2] {
+        [self.geometry.radius, self.geometry.track()]
+    }
+
     /// Friction between the ground and the vehicle's tyres where it is the lesser of theirs; that of the ground for tyres whose
     /// forces scale with it.
     pub(crate) fn grip(&self, ground: f64) -> f64 {

@@ -228,7 +228,7 @@ pub fn replay(
         return Err(Flaw::new("skid", reason).of("vehicle", spec.name.clone()).into());
     }
     let bench = Bench::new(spec, &[], step)?;
-    let (radius, track) = (bench.geometry.radius, bench.geometry.track());
+    let [radius, track] = bench.radius_and_track();
     let mut cases: Vec<Case<'_>> = Vec::new();
     for window in &recording.windows {
         let (speed, rate, steady) = window.kinematic(radius, track);
