@@ -64,6 +64,9 @@ pub(crate) fn lint() -> Result<(), Failure> {
     crate::words::check()?;
     // In release, where the macros that they expand were built for the tests.
     cargo(&["clippy", "--quiet", "--release", "--workspace", "--all-targets", "--", "--deny", "warnings"])?;
+    // The program of the demo, which has fewer features, with dependencies that were built just now.
+    let demo = ["--package", "vb-harness", "--no-default-features", "--features", "carried-tasks,unified"];
+    cargo(&[&["clippy", "--quiet", "--release"][..], &demo, &["--", "--deny", "warnings"]].concat())?;
     cargo(&["doc", "--quiet", "--release", "--workspace", "--no-deps"])
 }
 

@@ -3,6 +3,8 @@
 #[cfg(feature = "ros")]
 mod bag;
 mod compare;
+#[cfg_attr(not(feature = "terrain"), path = "without_course.rs")]
+mod course;
 mod picture;
 mod standing;
 mod table;
@@ -11,9 +13,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use vb_sim::SoilSet;
-use vb_validate::{
-    Characteristics, Check, Counts, EventResult, NamedCourse, References, RunOptions, Verdict,
-};
+use vb_validate::{Characteristics, Check, Counts, EventResult, References, RunOptions, Verdict};
 use vb_vehicle::VehicleSpec;
 
 use crate::args::{
@@ -170,7 +170,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         let path = places::catalog().data(vb_catalog::Data::Soils, &name)?;
         soils.push(SoilSet::load(&path).map_err(CliError::input)?);
     }
-    let course = args.course.as_deref().map(course).transpose()?;
+    let course = args.course.as_deref().map(course::read).transpose()?;
     let options =
         RunOptions { events: args.events.clone(), step: args.time_step, jobs: args.jobs.get(), course };
     let out = args.out.clone().unwrap_or_else(|| places::new_run_dir(&format!("test-{}", spec.name)));
@@ -227,17 +227,6 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         counts.passed + counts.failed,
         page.display()
     )))
-}
-
-/// A course for the events that drive over one; its summary and what was made of the file are said.
-fn course(path: &Path) -> Result<NamedCourse, CliError> {
-    let file = vb_terrain::read::course(path).map_err(CliError::input)?;
-    output::note(&file.course.summary());
-    for note in &file.notes {
-        output::say(&format!("note: {note}"));
-    }
-    let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    Ok(NamedCourse { name, course: file.course })
 }
 
 /// Every check on a line, and why an event broke off.
