@@ -26,7 +26,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     drive_and_tell(args, None)
 }
 
-/// Runs what is said, with this planner in place of the one that is named, and tells what to do next.
+/// Runs the selected tasks with this planner instead of the named one, and prints the next commands.
 pub(crate) fn drive_and_tell(args: &RunArgs, planner: Option<Plugin>) -> Result<(), CliError> {
     let again = |out: &Path| match args.drive.shard {
         // Its folder is within that of --out.

@@ -35,7 +35,7 @@ pub(crate) struct RunArgs {
     pub(crate) format: FormatArgs,
 }
 
-/// What is driven and recorded, whoever drives.
+/// Options of a run that do not depend on the kind of planner.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DriveArgs {
     /// Suite: a directory, or the name of a shipped suite

@@ -276,7 +276,7 @@ impl<const N: usize> Track<N> {
     }
 }
 
-/// What windows are cut from.
+/// The measured series from which windows are cut.
 struct Parts {
     poses: Track<3>,
     sides: Track<2>,

@@ -37,7 +37,7 @@ const GEAR: &str = "/gear";
 const STEP: (&str, &str) = ("/vertibench", "step");
 /// Messages of one topic that a reader keeps until they are taken.
 const DEPTH: usize = 100;
-/// How long a reader may keep the harness from sending.
+/// The longest time that a full reader may block sending.
 const SEND: Duration = Duration::from_secs(1);
 /// Maximum number of messages within a tick; more are a flood.
 const FLOOD: usize = 1000;
@@ -113,7 +113,7 @@ fn unreadable(topic: &str, reason: &dyn std::fmt::Display) -> FaultCause {
     FaultCause::PeerProtocol { message: format!("a message on {topic} can't be read: {reason}") }
 }
 
-/// What other nodes sent.
+/// Messages received from other nodes.
 #[derive(Debug)]
 pub(crate) enum Incoming {
     /// A velocity, with the time that it is stamped with, ns; none for a message without a stamp.

@@ -1,4 +1,4 @@
-//! What the user decides of a planner that is a node of ROS 2.
+//! Options of a planner that is a ROS 2 node.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr, UdpSocket};
@@ -10,7 +10,7 @@ use vb_sdk::metadata::{Metadata, Need, Sensor};
 /// The last domain whose ports exist: 7400 + 250 · 232 + 11 is below 65536 (RTPS 2.5, 9.6.2).
 pub const LAST_DOMAIN: u16 = 232;
 
-/// How time passes.
+/// The clock mode: lockstep or real time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Simulated time advances only after the answer to the last tick.
@@ -22,7 +22,7 @@ pub enum Pace {
     },
 }
 
-/// What the user decides of a planner that is a node of ROS 2.
+/// Options of a planner that is a ROS 2 node.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The name of the planner in results.
@@ -37,7 +37,7 @@ pub struct Options {
     pub control_period: f64,
     /// The sensors whose topics are published.
     pub needs: Vec<Need>,
-    /// How time passes.
+    /// The clock mode: lockstep or real time.
     pub pace: Pace,
     /// The wall-clock time for which a task waits for a node that publishes commands.
     pub start_timeout: Duration,
@@ -84,7 +84,7 @@ pub enum OptionsError {
     Interface {
         /// The address.
         address: IpAddr,
-        /// What the system says.
+        /// The message of the operating system.
         source: std::io::Error,
     },
     /// The deadline of the real-time mode.
@@ -152,7 +152,7 @@ impl Options {
         }
     }
 
-    /// What the planner says of itself, in the form of a plugin's metadata.
+    /// The metadata of the planner, in the form of a plugin's.
     pub(crate) fn metadata(&self) -> Metadata {
         Metadata {
             abi: vb_host::AbiVersion::NEWEST.name().to_owned(),

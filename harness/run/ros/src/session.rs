@@ -15,7 +15,7 @@ use crate::link::{Incoming, Link, StepCall};
 use crate::tick::{publish_end, publish_task, publish_tick, start_of};
 use crate::{Options, OptionsError, Pace};
 
-/// How often it is looked which nodes there are.
+/// The period of checks for nodes in the domain.
 const LOOK: Duration = Duration::from_millis(100);
 /// A node that has not got a new endpoint for so long is complete.
 const COMPLETE: Duration = Duration::from_millis(500);
@@ -207,7 +207,7 @@ impl Drop for Session {
     }
 }
 
-/// What a message means for the tick that waits.
+/// The meaning of a message for the tick that is waiting.
 enum Meaning {
     /// It answers the tick.
     Answer(Setpoint),
