@@ -2,7 +2,7 @@
 //! reference point, in chassis axes (x forward, y left, z up), m. The right side is their mirror image.
 
 use crate::Point;
-use crate::table::interpolate;
+use crate::table::{interpolate, slope_within};
 use serde::{Deserialize, Serialize};
 
 /// The guidance and the springing of the wheels of an axle.
@@ -471,8 +471,8 @@ pub enum SteeringGear {
         axis: Point,
         /// The largest angle, rad, clockwise seen against the axis (from above if it points up) at positive commands.
         angle: f64,
-        /// The fraction of that angle over the command, from command −1 to +1: the characteristic of a servo, which may
-        /// reach less far to one side. In proportion if absent.
+        /// The fraction of that angle over the command, from command −1 to +1 and rising: the characteristic of a servo,
+        /// which may reach less far to one side. In proportion if absent.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         response: Vec<[f64; 2]>,
     },
@@ -488,14 +488,22 @@ impl SteeringGear {
         }
     }
 
-    /// The travel (m) or the angle (rad) of the gear between commands −1 and +1, per command.
+    /// The largest travel (m) or angle (rad) of the gear: at position 1 or −1.
     #[must_use]
-    pub fn stroke(&self) -> f64 {
-        let most = match self {
-            Self::RackAndPinion { travel } => travel,
-            Self::PitmanArm { angle, .. } | Self::RotaryArm { angle, .. } => angle,
-        };
-        0.5 * (self.position(1.0) - self.position(-1.0)) * most.abs()
+    pub fn reach(&self) -> f64 {
+        let (Self::RackAndPinion { travel: reach } | Self::PitmanArm { angle: reach, .. } | Self::RotaryArm { angle: reach, .. }) =
+            self;
+        reach.abs()
+    }
+
+    /// The derivative of `position` with respect to the command; at a corner of a response that of the segment to its
+    /// right, and at command 1 that of the last segment.
+    #[must_use]
+    pub fn slope(&self, command: f64) -> f64 {
+        match self {
+            Self::RotaryArm { response, .. } if !response.is_empty() => slope_within(response, command),
+            _ => 1.0,
+        }
     }
 }
 

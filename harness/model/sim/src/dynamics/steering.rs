@@ -27,12 +27,12 @@ impl Steering {
             let change = (asked - present).clamp(-dt * fastest, dt * fastest);
             return Self { command: present + change, rate: change / dt, stalled: false };
         };
-        let distance = asked - present;
-        let wanted = (distance / dt).abs().min(fastest).min(servo.approach(distance)).copysign(distance);
-        let (rate, reached) = servo.drive(wanted, state.rate, state.load, dt);
+        let (distance, limit) = (asked - present, servo.at(present));
+        let wanted = (distance / dt).abs().min(fastest).min(limit.approach(distance)).copysign(distance);
+        let (rate, reached) = limit.drive(wanted, state.rate, state.load, dt);
         let command = (present + dt * rate).clamp(-1.0, 1.0);
         // A gear that only gathers speed isn't stalled.
-        let stalled = !reached && state.load.abs() > servo.effort();
+        let stalled = !reached && state.load.abs() > limit.effort();
         Self { command, rate: (command - present) / dt, stalled }
     }
 }

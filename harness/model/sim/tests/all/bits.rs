@@ -21,7 +21,7 @@ const DRIVES: [(&str, &str, u64); 12] = [
     ("man7t", "w008", 0xb3ce_248a_04c6_6656),
     ("man10t", "w009", 0x0b7b_d02c_a902_c7bc),
     ("artcar", "w010", 0xb1e6_c22a_5c25_4625),
-    ("verti4wheeler", "w003", 0xefac_d3b4_7614_a545),
+    ("verti4wheeler", "w003", 0xd583_f79c_1a7f_1a47),
 ];
 
 #[test]

@@ -73,6 +73,10 @@ impl Check {
             SteeringGear::RotaryArm { pivot, axis, angle, response } => {
                 self.finite(&format!("{field}.pivot"), pivot)?;
                 self.characteristic(&format!("{field}.response"), response, [-1.0, 1.0])?;
+                if let Some(w) = response.windows(2).find(|w| w[0][1] >= w[1][1]) {
+                    let reason = format!("second numbers must rise, but {} follows {}", w[1][1], w[0][1]);
+                    return self.fail(&format!("{field}.response"), reason);
+                }
                 self.direction(&format!("{field}.axis"), *axis)?;
                 ("angle", *angle)
             }
@@ -457,6 +461,7 @@ mod tests {
         for (response, expected) in [
             ("[[-0.5, -1.0], [1.0, 1.0]]", "goes from -0.5 to 1; must go from -1 to 1"),
             ("[[-1.0, 1.0], [1.0, -1.0]]", "second numbers must not fall, but -1 follows 1"),
+            ("[[-1.0, -1.0], [-0.1, 0.0], [0.1, 0.0], [1.0, 1.0]]", "second numbers must rise, but 0 follows 0"),
             ("[[-1.0, -1.0], [1.0, 0.5]]", "gives -0.25 at 0; must give 0"),
             (
                 "[[-1.0, -0.5], [0.0, 0.0], [1.0, 0.5]]",

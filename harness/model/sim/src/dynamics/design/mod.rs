@@ -148,7 +148,7 @@ impl Design {
                 });
             }
         }
-        design.servo = Servo::new(spec, design.steered_inertia());
+        design.servo = Servo::new(spec, &design.steered_inertias());
         let hubs: Vec<V3> = design.corners.iter().map(|c| design.hub(c)).collect();
         design.tracks = (0..2).filter_map(|side| Track::new(spec, side, &hubs)).collect();
         // A belt is no farther from its wheels than its width.
@@ -161,9 +161,9 @@ impl Design {
         design
     }
 
-    /// The inertia of the steered wheels against a change of the steering command, at design height and straight ahead,
-    /// kg m². Across its axle a wheel counts as a thin disc, with half of its moment of inertia about the axle.
-    fn steered_inertia(&self) -> f64 {
+    /// The inertia of each axle's steered wheels against a change of the steering command, at design height and straight
+    /// ahead, kg m². Across its axle a wheel counts as a thin disc, with half of its moment of inertia about the axle.
+    fn steered_inertias(&self) -> Vec<f64> {
         let one = |c: &Corner| {
             let i = c.side.index();
             let (hub, tilt) = match &c.guide {
@@ -178,7 +178,7 @@ impl Design {
             };
             c.mass * hub.norm_squared() + 0.5 * c.spin_inertia * tilt.norm_squared()
         };
-        self.corners.iter().filter(|c| c.steered).map(one).sum()
+        self.corners.chunks(2).map(|axle| axle.iter().map(one).sum()).collect()
     }
 
     /// The centre of a corner's wheel at design height relative to the chassis' centre of mass, body axes.
