@@ -107,7 +107,9 @@ impl From<RunError> for CliError {
             RunError::Trial(e) => e.into(),
             RunError::Param(_) | RunError::NoTasks => Self::usage(e),
             RunError::Thread(_) => Self::host_errors(e),
-            RunError::ControlPeriod { .. } | RunError::ForeignTask { .. } => Self::input(e),
+            RunError::ControlPeriod { .. } | RunError::ForeignTask { .. } | RunError::Recorded { .. } => {
+                Self::input(e)
+            }
         }
     }
 }
@@ -206,8 +208,7 @@ impl From<SubmissionError> for CliError {
             | SubmissionError::Version { .. }
             | SubmissionError::Unfinished { .. }
             | SubmissionError::Other { .. }
-            | SubmissionError::Command
-            | SubmissionError::Ros
+            | SubmissionError::NoFile
             | SubmissionError::Entry { .. }
             | SubmissionError::Plugin(_) => Self::input(e),
         }

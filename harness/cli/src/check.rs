@@ -3,6 +3,7 @@
 use serde::Serialize;
 use vb_files::one_line;
 use vb_host::Limits;
+use vb_record::Recording;
 use vb_runner::conformance::{Check, Kit, Report, Verdict, check as check_plugin};
 use vb_score::Rules;
 use vb_world::TaskId;
@@ -36,6 +37,12 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
     let limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
     let plugin = args.plugin.path();
     planner::can_be_confined(plugin, args.planner.require_sandbox)?;
+    if Recording::is_one(plugin) {
+        let path = plugin.display();
+        return Err(CliError::usage(format!(
+            "{path}: a recording has no planner to check (check the planner of its run)"
+        )));
+    }
     let command = planner::command(plugin);
     let file = command.is_none().then_some(plugin);
     let kit = Kit {

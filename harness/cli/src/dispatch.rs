@@ -30,6 +30,7 @@ impl Command {
             Self::Replay(args) => crate::replay::replay(args),
             #[cfg(feature = "dataset")]
             Self::Dataset(command) => command.run(),
+            Self::Commands(args) => crate::commands::commands(args),
             Self::Submit(args) => crate::submission::submit(args),
             Self::Verify(args) => crate::submission::verify(args),
             Self::Evaluate(args) => crate::submission::evaluate(args),

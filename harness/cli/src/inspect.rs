@@ -3,6 +3,7 @@
 use serde::Serialize;
 use vb_files::one_line;
 use vb_host::{Limits, Plugin};
+use vb_record::Recording;
 use vb_sdk::metadata::Need;
 
 use crate::args::{InspectArgs, MessageFormat};
@@ -60,6 +61,9 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
     let meta = match planner::command(args.plugin.path()) {
         // A command has no metadata that could be read without running it.
         Some(words) => Plugin::command(&words, &Limits::default()).map(|p| p.metadata().clone()),
+        None if Recording::is_one(args.plugin.path()) => {
+            vb_runner::recorded(args.plugin.path(), &Limits::default()).map(|p| p.metadata().clone())
+        }
         None => vb_host::inspect(args.plugin.path()),
     };
     let meta = meta.map_err(|e| planner::unusable(&e))?;

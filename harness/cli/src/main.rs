@@ -3,6 +3,7 @@
 mod args;
 mod causes;
 mod check;
+mod commands;
 #[cfg(feature = "dataset")]
 mod dataset;
 mod dispatch;

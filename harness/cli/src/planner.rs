@@ -1,9 +1,10 @@
-//! What the user means by `--plugin`: a file, or a command.
+//! What the user means by `--plugin`: a file of a planner or of recorded commands, or a command.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use vb_host::{Limits, LoadError, Plugin, ProcessOptions, SandboxReport};
+use vb_record::Recording;
 
 use crate::error::CliError;
 use crate::{output, places};
@@ -43,6 +44,7 @@ pub(crate) fn load_quietly(
     let native = ProcessOptions { worker, require_sandbox, unconfined };
     match command(wanted) {
         Some(words) => Plugin::command(&words, limits),
+        None if Recording::is_one(wanted) => vb_runner::recorded(wanted, limits),
         None => Plugin::load_with(wanted, limits, vb_catalog::cache_dir().as_deref(), &native),
     }
 }

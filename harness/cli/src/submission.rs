@@ -5,8 +5,8 @@ use std::io::Read as _;
 use std::path::Path;
 
 use serde::Serialize;
-use vb_host::Limits;
-use vb_record::{RunReader, TraceMode};
+use vb_host::{Limits, PluginKind};
+use vb_record::{Recording, RunReader, TraceMode};
 use vb_report::Runs;
 use vb_runner::RunError;
 use vb_score::Outcome;
@@ -41,7 +41,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     // What is wrong with the request is said before hours are spent.
     entrant.check()?;
     if planner::command(args.plugin.path()).is_some() {
-        return Err(SubmissionError::Command.into());
+        return Err(SubmissionError::NoFile.into());
     }
     if !output::is_free(&args.out) {
         return Err(SubmissionError::NotEmpty(args.out.clone()).into());
@@ -114,7 +114,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
                 "check it with: vb-harness verify {} --plugin {} --sample 10{}",
                 args.out.display(),
                 args.plugin.path().display(),
-                if is_wasm(args.plugin.path())? { "" } else { " --allow-native" }
+                if plugin.kind() == PluginKind::Native { " --allow-native" } else { "" }
             ));
         }
     }
@@ -161,9 +161,11 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         Some(perception) => places::catalog().perception(perception)?,
         None => places::catalog().own_perception(plain("perception profile", &m.run.perception.name)?)?,
     };
-    if !is_wasm(&args.plugin)? && !args.allow_native {
+    // Of a recording nothing is executed.
+    if !is_wasm(&args.plugin)? && !Recording::is_one(&args.plugin) && !args.allow_native {
         return Err(CliError::input(format!(
-            "{} is no WASM file, and nothing else is loaded here (--allow-native loads a native library in its sandbox)",
+            "{} is neither a WASM file nor a recording, and nothing else is loaded here (--allow-native loads a native library \
+             in its sandbox)",
             args.plugin.display()
         )));
     }

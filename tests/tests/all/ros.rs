@@ -69,6 +69,15 @@ fn a_node_is_recorded_scored_and_replayed_as_other_planners() {
     // `replay` simulates the recorded commands again and compares the state hash; the bag is a bag of ROS 2.
     mini.ok(&["replay", "run", "--task", "w001/t00", "--mcap", "task.mcap", "--profile", "ros2"]);
     assert!(std::fs::read(mini.path("task.mcap")).unwrap().starts_with(b"\x89MCAP0\r\n"));
+    // Its commands drive the tasks again without the node, so that others can verify the result.
+    mini.ok(&["commands", "run", "--out", "node.commands"]);
+    mini.ok(&["run", "node.commands", "--suite", "mini", "--tasks", TASKS, "--out", "recorded"]);
+    for (task, record) in &mini.bench.records("recorded") {
+        assert_eq!(record["state_hash"], first[task]["state_hash"], "{task}");
+    }
+    mini.ok(&["submit", "node.commands", "--run", "recorded", "--out", "submission"]);
+    assert_eq!(mini.bench.json("submission/submission.json")["division"], "open");
+    mini.ok(&["verify", "submission", "--plugin", "node.commands"]);
     mini.ok(&["report", "run", "--out", "report"]);
     assert!(std::fs::read_to_string(mini.path("report/index.html")).unwrap().contains("pure-pursuit"));
     drop(node);

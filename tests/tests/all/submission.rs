@@ -93,7 +93,10 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     assert!(told.contains("plugin: submission.json: run.plugin.sha256"), "{told}");
     let native = plugin("pid", PluginKind::Native);
     let told = mini.run(&["verify", "s", "--plugin", text(&native)]).error(3);
-    assert!(told.contains("is no WASM file") && told.contains("--allow-native"), "{told}");
+    assert!(
+        told.contains("is neither a WASM file nor a recording") && told.contains("--allow-native"),
+        "{told}"
+    );
 
     // A forger who makes the submission anew of records that he changed.
     mini.bench.write("forged/run.json", fs::read(mini.path("run/run.json")).expect("a header"));
@@ -123,6 +126,79 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     assert!(mini.run(&["verify", "run", "--plugin", text(&pid)]).error(3).contains("holds no submission"));
 }
 
+/// The open division for planners that nobody else has: commands and nodes of ROS 2.
+#[test]
+fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
+    let mini = Mini::new();
+    let pid = pid();
+    let tasks = ["--suite", "mini", "--tasks", "w001/t00-t02"];
+    let drive = |planner: &str, more: &[&str]| mini.run(&[&["run", planner][..], &tasks, more].concat());
+    drive(text(&pid), &["--out", "run", "--perception", "onboard"]).ok();
+    mini.ok(&["commands", "run", "--out", "pid.commands"]);
+    let told = mini.ok(&["inspect", "pid.commands"]);
+    assert!(told.contains("recorded commands of a planner of kind wasm"), "{told}");
+    drive("pid.commands", &["--out", "again", "--perception", "onboard"]).ok();
+    let (first, again) = (mini.bench.records("run"), mini.bench.records("again"));
+    assert_eq!(first.len(), 3);
+    for (task, record) in &first {
+        for field in ["state_hash", "outcome", "metrics"] {
+            assert_eq!(again[task][field], record[field], "{task}: {field}");
+        }
+    }
+    mini.ok(&["submit", "pid.commands", "--run", "again", "--out", "s"]);
+    let manifest = mini.bench.json("s/submission.json");
+    assert_eq!(
+        (&manifest["division"], &manifest["run"]["plugin"]["kind"]),
+        (&"open".into(), &"recording".into())
+    );
+    mini.ok(&["verify", "s", "--plugin", "pid.commands"]);
+    assert!(
+        mini.run(&["verify", "s", "--plugin", "pid.commands", "--ranked"]).error(9).contains("open division")
+    );
+
+    assert!(mini.run(&["check", "pid.commands"]).error(2).contains("a recording has no planner to check"));
+    // Under other settings the commands mean nothing.
+    for (settings, field) in [
+        (&["--perception", "oracle"][..], "perception.hash"),
+        (&["--perception", "onboard", "--time-step", "0.002"], "time_step"),
+        (&["--perception", "onboard", "--scale", "0.5"], "scale"),
+    ] {
+        let told = drive("pid.commands", &[&["--out", "other"][..], settings].concat()).error(3);
+        assert!(told.contains("the recording can't drive this run") && told.contains(field), "{told}");
+    }
+    // A task of which there are no commands, and one whose commands end too early.
+    let told = mini.run(&[
+        "run",
+        "pid.commands",
+        "--suite",
+        "mini",
+        "--tasks",
+        "w001/t03",
+        "--perception",
+        "onboard",
+        "--out",
+        "more",
+        "--logs",
+        "all",
+    ]);
+    told.ok();
+    let more = &mini.bench.records("more")["w001/t03"];
+    assert_eq!(
+        (&more["outcome"], &more["fault"]),
+        (&"planner_error".into(), &"planner/init-failed".into()),
+        "{more}"
+    );
+    // Runs whose traces lack commands, and files that are none.
+    drive(text(&pid), &["--out", "untraced", "--trace", "none"]).ok();
+    assert!(mini.run(&["commands", "untraced", "--out", "c"]).error(3).contains("w001/t00 has no trace"));
+    mini.bench.write("cut.commands", &fs::read(mini.path("pid.commands")).expect("it")[..2000]);
+    let trace = mini.path("run/traces/w001/t00.parquet");
+    for file in ["cut.commands", text(&trace)] {
+        assert!(drive(file, &["--out", "bad"]).error(3).contains("not a planner plugin"), "{file}");
+    }
+    assert!(!mini.path("c").exists() && !mini.path("bad").exists() && !mini.path("other").exists());
+}
+
 #[test]
 fn what_cannot_be_submitted_is_refused_before_anything_is_driven() {
     let mini = Mini::new();
@@ -134,7 +210,7 @@ fn what_cannot_be_submitted_is_refused_before_anything_is_driven() {
     assert!(submit(&["--url", "javascript:alert(1)"]).error(2).contains("https://"));
     assert!(submit(&["--entrant", "a\nb"]).error(2).contains("control character"));
     let told = mini.run(&["submit", "--plugin", "sh planner.sh", "--out", "s"]).error(3);
-    assert!(told.contains("a command can't be submitted"), "{told}");
+    assert!(told.contains("a command or a ROS 2 node can't be submitted"), "{told}");
     mini.bench.write("full/thesis.tex", "");
     assert!(mini.run(&["submit", "--plugin", text(&pid), "--out", "full"]).error(4).contains("is not empty"));
     assert!(!mini.path("runs").exists() && !mini.path("s").exists());

@@ -85,7 +85,7 @@ impl JobsArgs {
 #[derive(Clone, Debug, Args)]
 #[group(required = true, multiple = false)]
 pub(crate) struct PluginArgs {
-    /// Planner: a WASM file, a native library, or a command such as "python3 my_planner.py"
+    /// Planner: a WASM file, a native library, a recording (see commands), or a command such as "python3 my_planner.py"
     #[arg(value_name = "PLANNER", value_parser = planner())]
     planner: Option<PathBuf>,
     /// Planner, as an option instead of an argument

@@ -47,7 +47,7 @@ pub(crate) use results::{CameraName, FilmArgs, McapArgs, McapProfile, ReplayArgs
 pub(crate) use results::{ReplayData, ReportArgs};
 #[cfg(feature = "ros")]
 pub(crate) use ros::RosArgs;
-pub(crate) use run::{CheckArgs, MergeRunArgs, RunArgs, ScoreArgs};
+pub(crate) use run::{CheckArgs, CommandsArgs, MergeRunArgs, RunArgs, ScoreArgs};
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 #[cfg(feature = "terrain")]
 pub(crate) use site::{ImportArgs, SiteArgs};
@@ -153,10 +153,12 @@ pub(crate) enum Command {
     #[cfg(feature = "dataset")]
     #[command(subcommand)]
     Dataset(DatasetCommand),
+    /// Write the commands of a run as a file that drives its tasks again without the planner
+    Commands(CommandsArgs),
     /// Make a submission from a planner or a finished run: a small folder that others can verify
     #[command(
         after_help = resumed(&[SIM_ERRORS, HOST_ERRORS, FAILED_START, INTERRUPTED]),
-        mut_arg("planner", |arg| arg.help("Planner: a WASM file, or a native library for the open division"))
+        mut_arg("planner", |arg| arg.help("Planner: a WASM file, or for the open division a native library or a recording"))
     )]
     Submit(SubmitArgs),
     /// Verify a submission: compare it with suite and planner, and re-run tasks

@@ -122,6 +122,18 @@ pub(crate) struct MergeRunArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct CommandsArgs {
+    /// Run directory, with traces
+    #[arg(value_name = "RUN")]
+    pub(crate) run: PathBuf,
+    /// File for the recording
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct ScoreArgs {
     /// Run directory
     #[arg(value_name = "RUN")]

@@ -66,7 +66,7 @@ pub(crate) struct VerifyArgs {
     /// Submission directory
     #[arg(value_name = "SUBMISSION")]
     pub(crate) submission: PathBuf,
-    /// Submitted planner: a WASM file, or a native library with --allow-native
+    /// Submitted planner: a WASM file, a recording, or a native library with --allow-native
     #[arg(long, value_name = "FILE", value_parser = planner())]
     pub(crate) plugin: PathBuf,
     /// Suite of the submission: a directory; default: the shipped suite of its name
@@ -92,7 +92,7 @@ pub(crate) struct VerifyArgs {
     /// Refuse submissions to the open division before any run
     #[arg(long)]
     pub(crate) ranked: bool,
-    /// Also load native libraries, in their sandbox; default: only WASM
+    /// Also load native libraries, in their sandbox; default: only WASM and recordings
     #[arg(long, conflicts_with = "ranked")]
     pub(crate) allow_native: bool,
     /// File for the verdict; default: verification.json in the submission

@@ -35,7 +35,7 @@ impl Driver for Playback<'_> {
         let next = observation.time + SAMPLE_PERIOD;
         while self.samples.next_if(|s| s.time < next - 0.25 * SAMPLE_PERIOD).is_some() {}
         if let Some(s) = self.samples.peek() {
-            let gear = planner_gear(commanded_gear(s));
+            let gear = planner_gear(commanded_gear(s.gear));
             let Sample { steering, throttle, brake, .. } = **s;
             self.last = Command { steering, throttle, brake, gear, debug: Vec::new() };
         }

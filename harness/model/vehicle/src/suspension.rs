@@ -491,8 +491,9 @@ impl SteeringGear {
     /// The largest travel (m) or angle (rad) of the gear: at position 1 or −1.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        let (Self::RackAndPinion { travel: reach } | Self::PitmanArm { angle: reach, .. } | Self::RotaryArm { angle: reach, .. }) =
-            self;
+        let (Self::RackAndPinion { travel: reach }
+        | Self::PitmanArm { angle: reach, .. }
+        | Self::RotaryArm { angle: reach, .. }) = self;
         reach.abs()
     }
 

@@ -49,6 +49,12 @@ class Sac(Method):
             seed=seed,
             device="cpu",
         )
+        # The update of the actor needs no gradients of the critics' parameters.
+        self.model.critic.optimizer.register_step_post_hook(lambda *_: self._train_critics(False))
+        self.model.actor.optimizer.register_step_post_hook(lambda *_: self._train_critics(True))
+
+    def _train_critics(self, trained: bool) -> None:
+        self.model.critic.requires_grad_(trained)
 
     @property
     def _memory(self) -> Memory:

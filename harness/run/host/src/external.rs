@@ -1,4 +1,4 @@
-//! Planners that run outside of the harness and are reached through another crate, such as ROS 2 nodes.
+//! Planners of other crates: nodes of ROS 2, which run outside of the harness, and recorded commands.
 
 use std::fmt;
 
@@ -19,6 +19,11 @@ pub trait External: fmt::Debug + Send + Sync {
 
     /// Descriptions of departures from repeatable results, with which results are marked ([`Plugin::departures`](crate::Plugin::departures)).
     fn departures(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The settings that a run must have with this planner: fields of run.json, such as `suite.hash`, and their values as JSON.
+    fn requires(&self) -> Vec<(&'static str, String)> {
         Vec::new()
     }
 }

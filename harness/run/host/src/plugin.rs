@@ -29,6 +29,8 @@ pub enum PluginKind {
     Command,
     /// The planner is a ROS 2 node that the user started. It is not eligible for ranking.
     Ros,
+    /// The planner gives the recorded commands of a run. It is not eligible for ranking.
+    Recording,
 }
 
 impl PluginKind {
@@ -40,15 +42,17 @@ impl PluginKind {
             Self::Native => "native",
             Self::Command => "command",
             Self::Ros => "ros",
+            Self::Recording => "recording",
         }
     }
 
-    /// Whether results of such planners are eligible for ranking: the planner is a file that others can run as well.
+    /// Whether results of such planners are eligible for ranking: the planner is a file that decides by what it observes, and
+    /// that others can run as well.
     #[must_use]
     pub fn is_eligible(self) -> bool {
         match self {
             Self::Wasm | Self::Native => true,
-            Self::Command | Self::Ros => false,
+            Self::Command | Self::Ros | Self::Recording => false,
         }
     }
 }
@@ -151,6 +155,15 @@ impl Plugin {
     pub fn departures(&self) -> Vec<String> {
         match &self.0.code {
             Code::External(_, external) => external.departures(),
+            Code::Wasm(_) | Code::Native(..) | Code::Command(_) => Vec::new(),
+        }
+    }
+
+    /// The settings that a run must have with this planner: fields of run.json and their values as JSON.
+    #[must_use]
+    pub fn requires(&self) -> Vec<(&'static str, String)> {
+        match &self.0.code {
+            Code::External(_, external) => external.requires(),
             Code::Wasm(_) | Code::Native(..) | Code::Command(_) => Vec::new(),
         }
     }

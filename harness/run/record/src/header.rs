@@ -32,11 +32,11 @@ pub struct PluginHeader {
     pub version: String,
     /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// The kind of the plugin: `wasm`, `native` or `command`.
+    /// The kind of the plugin: `wasm`, `native`, `command`, `ros` or `recording`.
     pub kind: String,
     /// The path at which the file lay; for a command, the command itself.
     pub path: String,
-    /// Whether results of a planner of this kind may be ranked: those of a command may not.
+    /// Whether results of a planner of this kind may be ranked: those of `wasm` and `native` may.
     pub eligible_for_ranking: bool,
     /// The time between two of the planner's steps, s.
     pub control_period: f64,

@@ -18,6 +18,7 @@ mod header;
 mod join;
 mod log_mode;
 mod parquet_io;
+mod recording;
 mod sample;
 mod scope;
 mod settings;
@@ -35,6 +36,7 @@ pub use header::{
 };
 pub use join::RunJoiner;
 pub use log_mode::LogMode;
+pub use recording::{AppliedCommand, RECORDING_SCHEMA, Recording};
 pub use sample::{Sample, WheelSample};
 pub use scope::{planner_with_params, suite_with_selection};
 pub use settings::{SOIL_RESOLUTIONS, TIME_STEPS, is_time_step};

@@ -98,9 +98,14 @@ const HINT: &str = "the file is truncated or not a trace of this harness: run th
 
 /// An error about the content of the file.
 pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
+    damaged_as(path, detail, HINT)
+}
+
+/// An error about the content of the file, with what to do about it.
+pub(crate) fn damaged_as(path: &Path, detail: impl ToString, hint: &'static str) -> StoreError {
     // Parquet's own messages may span lines; ours never do.
     let detail = detail.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    StoreError::Damaged { path: path.to_owned(), detail, hint: HINT }
+    StoreError::Damaged { path: path.to_owned(), detail, hint }
 }
 
 impl Table {
@@ -110,6 +115,11 @@ impl Table {
             ErrorKind::InvalidData => damaged(path, e),
             _ => StoreError::io("read", path)(e),
         })?;
+        Self::of(path, content)
+    }
+
+    /// Opens the content of the file at `path`, which is within bounds.
+    pub(crate) fn of(path: &Path, content: Bytes) -> Result<Self, StoreError> {
         let reader = decoding(|| SerializedFileReader::new(content)).map_err(|e| damaged(path, e))?;
         let reader = reader.map_err(|e| damaged(path, e))?;
         Ok(Self { reader })

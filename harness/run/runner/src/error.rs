@@ -47,6 +47,18 @@ pub enum RunError {
         /// The name of the task.
         task: TaskId,
     },
+    /// A recording is to drive under other settings than those under which it was made.
+    #[error(
+        "the recording can't drive this run: {field} is {found}, in the recording {recorded} (choose the settings of the recorded run)"
+    )]
+    Recorded {
+        /// The field of run.json.
+        field: &'static str,
+        /// Its value in the recording, as JSON.
+        recorded: String,
+        /// Its value in the run, as JSON.
+        found: String,
+    },
     /// There are no tasks to run.
     #[error("no task is chosen")]
     NoTasks,

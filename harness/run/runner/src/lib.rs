@@ -9,6 +9,7 @@ mod driver;
 mod error;
 mod fail_fast;
 mod merge;
+mod recording;
 mod run;
 pub mod sweep;
 
@@ -16,4 +17,5 @@ pub use driver::{PluginDriver, wants};
 pub use error::RunError;
 pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use merge::{MergeError, Merged, merge, shards_in};
+pub use recording::recorded;
 pub use run::{Event, RunConfig, RunReport, check, check_control_period, check_perception, run};

@@ -20,7 +20,7 @@ use vb_vehicle::Vehicle;
 use vb_world::{Suite, SuiteError, TaskId};
 
 use crate::fail_fast::{FailFast, FailedStart};
-use crate::{PluginDriver, RunError, wants};
+use crate::{PluginDriver, RunError, recording, wants};
 
 /// The configuration of a run: everything that decides its results, and how it is made.
 #[derive(Clone, Debug)]
@@ -124,6 +124,7 @@ pub fn run(
 ) -> Result<RunReport, RunError> {
     let prepared = prepare(config)?;
     let header = header(config, prepared.setting.options);
+    recording::check(&config.plugin, &header)?;
     let (store, mut records) = if config.resume {
         RunStore::resume(&config.out, &header, |r: &TaskRecord| r.outcome != Outcome::HostError)?
     } else {
@@ -232,7 +233,8 @@ struct Prepared {
 /// # Errors
 /// Returns what is wrong.
 pub fn check(config: &RunConfig) -> Result<(), RunError> {
-    setting(config).map(drop)
+    let prepared = setting(config)?;
+    recording::check(&config.plugin, &header(config, prepared.setting.options))
 }
 
 fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
@@ -256,7 +258,11 @@ fn setting(config: &RunConfig) -> Result<Prepared, RunError> {
     let params = config.plugin.params(&config.params)?;
     let (step, scale, seed) = (config.time_step, config.scale, config.seed);
     let mut setting = Setting::new(vehicle, soils, rules, perception, step, scale, seed)?;
-    setting.departures.extend(config.plugin.departures());
+    for departure in config.plugin.departures() {
+        if !setting.departures.contains(&departure) {
+            setting.departures.push(departure);
+        }
+    }
     Ok(Prepared { setting, wants: wants(&config.plugin, perception, params) })
 }
 

@@ -2,12 +2,12 @@
 
 use vb_record::Sample;
 
-/// The gear that a sample says was commanded.
+/// The commanded gear of a number as [`Sample::gear`] has it.
 #[must_use]
-pub fn commanded_gear(sample: &Sample) -> vb_sim::Gear {
-    if sample.gear == Sample::REVERSE {
+pub fn commanded_gear(number: f64) -> vb_sim::Gear {
+    if number == Sample::REVERSE {
         vb_sim::Gear::Reverse
-    } else if sample.gear == Sample::NEUTRAL {
+    } else if number == Sample::NEUTRAL {
         vb_sim::Gear::Neutral
     } else {
         vb_sim::Gear::Forward

@@ -154,7 +154,7 @@ impl Motion {
                     steering: s.steering,
                     throttle: s.throttle,
                     brake: s.brake,
-                    gear: commanded_gear(s),
+                    gear: commanded_gear(s.gear),
                 };
                 sim.advance(controls, steps).ok()?;
             }

@@ -49,10 +49,11 @@ pub enum SubmissionError {
         recorded: String,
         found: String,
     },
-    #[error("a command can't be submitted: nobody else has what it starts (build the planner as WASM)")]
-    Command,
-    #[error("a run of a ROS 2 node can't be submitted: nobody else has the node (build the planner as WASM)")]
-    Ros,
+    #[error(
+        "a command or a ROS 2 node can't be submitted: nobody else has what it is (build the planner as WASM, or submit the \
+         recorded commands of its run: vb-harness commands RUN --out FILE)"
+    )]
+    NoFile,
     #[error("{field}: {problem}")]
     Entrant { field: &'static str, problem: String },
     #[error("--replays: {task}: {problem}")]

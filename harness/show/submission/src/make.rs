@@ -90,11 +90,9 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
 
 /// Whether a run is one of this harness, plugin and suite.
 fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), SubmissionError> {
-    if request.plugin.kind() == PluginKind::Command || header.plugin.kind == PluginKind::Command.name() {
-        return Err(SubmissionError::Command);
-    }
-    if header.plugin.kind == PluginKind::Ros.name() {
-        return Err(SubmissionError::Ros);
+    let fileless = [PluginKind::Command, PluginKind::Ros];
+    if fileless.contains(&request.plugin.kind()) || fileless.iter().any(|k| header.plugin.kind == k.name()) {
+        return Err(SubmissionError::NoFile);
     }
     if header.schema != RUN_SCHEMA || header.harness_version != request.harness_version {
         return Err(SubmissionError::Version {

@@ -461,7 +461,10 @@ mod tests {
         for (response, expected) in [
             ("[[-0.5, -1.0], [1.0, 1.0]]", "goes from -0.5 to 1; must go from -1 to 1"),
             ("[[-1.0, 1.0], [1.0, -1.0]]", "second numbers must not fall, but -1 follows 1"),
-            ("[[-1.0, -1.0], [-0.1, 0.0], [0.1, 0.0], [1.0, 1.0]]", "second numbers must rise, but 0 follows 0"),
+            (
+                "[[-1.0, -1.0], [-0.1, 0.0], [0.1, 0.0], [1.0, 1.0]]",
+                "second numbers must rise, but 0 follows 0",
+            ),
             ("[[-1.0, -1.0], [1.0, 0.5]]", "gives -0.25 at 0; must give 0"),
             (
                 "[[-1.0, -0.5], [0.0, 0.0], [1.0, 0.5]]",

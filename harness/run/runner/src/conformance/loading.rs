@@ -21,6 +21,7 @@ pub(super) fn loaded(plugin: &Plugin) -> Check {
                 "results of commands are not eligible for ranking; build for WASM for that",
             );
         }
+        PluginKind::Recording => "as the recorded commands of a run",
         PluginKind::Ros => {
             return Check::warn(
                 NAME,

@@ -37,7 +37,9 @@ impl Servo {
     /// wheels against a change of the command at command 0 (kg m²).
     pub(crate) fn new(spec: &VehicleSpec, inertias: &[f64]) -> Option<Self> {
         let mut gears = Vec::new();
-        for (gear, inertia) in spec.axles.iter().zip(inertias).filter_map(|(a, i)| Some((a.steering.as_ref()?, i))) {
+        for (gear, inertia) in
+            spec.axles.iter().zip(inertias).filter_map(|(a, i)| Some((a.steering.as_ref()?, i)))
+        {
             let limit = match gear {
                 SteeringGear::RackAndPinion { .. } => spec.steering.force?,
                 SteeringGear::PitmanArm { .. } | SteeringGear::RotaryArm { .. } => spec.steering.torque?,
