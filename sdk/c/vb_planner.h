@@ -105,7 +105,7 @@ typedef struct vb_pose2 {
 typedef struct vb_vehicle {
     /* The name of the vehicle, e.g. hmmwv. */
     const char *name;
-    /* The scale of the world, relative to the full-size original: 1, 1/6 or 1/10. */
+    /* The scale of the world, relative to the full-size original: 1, or less for smaller vehicles. */
     double scale;
     /* The mass of the whole vehicle, kg. */
     double mass;

@@ -46,7 +46,7 @@ typedef struct vertibench_planner_types_pose2_t {
 typedef struct vertibench_planner_types_vehicle_t {
   // The name of the vehicle, e.g. `hmmwv`.
   planner_plugin_string_t   name;
-  // The scale of the world, relative to the full-size original: 1, 1/6 or 1/10.
+  // The scale of the world, relative to the full-size original: 1, or less for smaller vehicles.
   double   scale;
   // The mass of the whole vehicle, kg.
   double   mass;

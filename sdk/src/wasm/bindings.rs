@@ -87,7 +87,7 @@ pub mod vertibench {
             pub struct Vehicle {
                 /// The name of the vehicle, e.g. `hmmwv`.
                 pub name: _rt::String,
-                /// The scale of the world, relative to the full-size original: 1, 1/6 or 1/10.
+                /// The scale of the world, relative to the full-size original: 1, or less for smaller vehicles.
                 pub scale: f64,
                 /// The mass of the whole vehicle, kg.
                 pub mass: f64,

@@ -124,7 +124,7 @@ pub struct RunHeader {
     pub soils: DataHeader,
     /// The perception profile: prior maps, sensors and their errors.
     pub perception: DataHeader,
-    /// The factor on every length of the world: 1, 1/6 or 1/10.
+    /// The factor on every length of the world: 1, or less for smaller vehicles.
     pub scale: f64,
     /// The run's seed.
     pub seed: u64,
