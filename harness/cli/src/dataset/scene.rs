@@ -112,7 +112,8 @@ impl<'a> Scene<'a> {
 
     /// Begins the dataset, or goes on with it.
     pub(super) fn writer(&self, header: Header) -> Result<DatasetWriter, CliError> {
-        let frames = self.setting.rules.time_limit(self.setting.scale) * f64::from(header.hz);
+        let limit = self.setting.rules.time_limit(self.setting.scale, self.setting.vehicle.max_speed);
+        let frames = limit * f64::from(header.hz);
         let begin = if self.args.resume.resume { DatasetWriter::resume } else { DatasetWriter::create };
         Ok(begin(&self.args.out, header, &self.worlds, frames.ceil() as usize)?)
     }

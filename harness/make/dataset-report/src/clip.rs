@@ -55,6 +55,7 @@ fn trace(dataset: &Dataset, episode: &Episode, world: &World, task: &Task) -> Tr
             goal_z: world.heightfield.height(task.goal[0], task.goal[1]),
             half_extent: [world.heightfield.half_x(), world.heightfield.half_y()],
             scale: header.scale,
+            max_speed: 30.0,
             time_step: header.time_step,
             sample_period: period,
             mode: TraceMode::Full,

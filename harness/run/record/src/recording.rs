@@ -235,6 +235,7 @@ mod tests {
             goal_z: 0.0,
             half_extent: [64.0, 64.0],
             scale: 1.0,
+            max_speed: 30.0,
             time_step: 0.001,
             sample_period: 0.01,
             mode,

@@ -25,6 +25,9 @@ pub fn is_time_step(step: f64, sample_period: f64) -> bool {
         && ((sample_period / step).round() * step - sample_period).abs() < TOLERANCE
 }
 
+/// The maximum speeds that a vehicle may have, m/s.
+const SPEEDS: RangeInclusive<f64> = 1e-6..=1e3;
+
 /// The coordinates that a place in a world may have, m, and the other numbers of a sample.
 pub(crate) const PLACES: RangeInclusive<f64> = -1e9..=1e9;
 
@@ -50,6 +53,7 @@ impl TraceMeta {
             .or_else(|| places("goal", &self.goal))
             .or_else(|| places("goal_z", &[self.goal_z]))
             .or_else(|| places("half_extent", &self.half_extent))
+            .or_else(|| outside("max_speed", self.max_speed, &SPEEDS))
     }
 }
 

@@ -74,6 +74,8 @@ pub struct TraceMeta {
     pub half_extent: [f64; 2],
     /// The factor by which the world's lengths were multiplied.
     pub scale: f64,
+    /// The vehicle's maximum speed, m/s.
+    pub max_speed: f64,
     /// The time step of the simulation, s.
     pub time_step: f64,
     /// The time between the samples that the rules saw, s.
@@ -250,6 +252,7 @@ mod tests {
             goal_z: 1.0 / 3.0,
             half_extent: [64.0, 64.0],
             scale: 1.0 / 6.0,
+            max_speed: 30.0,
             time_step: 0.001,
             sample_period: 0.01,
             mode,

@@ -21,25 +21,29 @@ pub struct TaskGeometry {
     pub half_extent: [f64; 2],
     /// The factor by which the world's lengths were multiplied. The lengths in rules are multiplied by it too.
     pub scale: f64,
+    /// The vehicle's maximum speed, m/s, on which the time limit depends.
+    pub max_speed: f64,
 }
 
 impl TaskGeometry {
-    /// The place of a task in a world, which is scaled already.
+    /// The place of a task in a world, which is scaled already, for a vehicle of a maximum speed (m/s).
     #[must_use]
-    pub fn of(world: &World, task: &Task) -> Self {
+    pub fn of(world: &World, task: &Task, max_speed: f64) -> Self {
         let (h, goal) = (&world.heightfield, task.goal);
         Self {
             goal,
             goal_z: h.height(goal[0], goal[1]),
             half_extent: [h.half_x(), h.half_y()],
             scale: world.scale,
+            max_speed,
         }
     }
 }
 
 impl From<&TraceMeta> for TaskGeometry {
     fn from(meta: &TraceMeta) -> Self {
-        Self { goal: meta.goal, goal_z: meta.goal_z, half_extent: meta.half_extent, scale: meta.scale }
+        let TraceMeta { goal, goal_z, half_extent, scale, max_speed, .. } = *meta;
+        Self { goal, goal_z, half_extent, scale, max_speed }
     }
 }
 
@@ -179,7 +183,7 @@ impl Scorer {
         // The window needs the sample even if another rule decides now, but then nobody looks any more.
         let stuck = self.stuck(sample);
         self.sums.push(sample);
-        if t + TIME_TOLERANCE >= self.rules.time_limit(self.geometry.scale) {
+        if t + TIME_TOLERANCE >= self.rules.time_limit(self.geometry.scale, self.geometry.max_speed) {
             let away = self.sums.goal_distance();
             return verdict(
                 Outcome::Timeout,

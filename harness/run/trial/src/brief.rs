@@ -69,6 +69,7 @@ impl Terms<'_> {
         let PriorMaps { elevation, semantics, occupancy } =
             PriorMaps::new(self.profile, world, &self.perception_seed(world, task));
         vb_sdk::Task {
+            time_limit: self.rules.time_limit(self.scale, vehicle.max_speed),
             vehicle,
             elevation,
             semantics,
@@ -78,7 +79,6 @@ impl Terms<'_> {
             start: Pose2 { x: task.start.x, y: task.start.y, yaw: task.start.yaw },
             goal: Point2 { x: task.goal[0], y: task.goal[1] },
             goal_radius: self.rules.goal_radius(self.scale),
-            time_limit: self.rules.time_limit(self.scale),
             control_period: self.control_period,
             seed: Stream::new(self.seed, &["planner", &id]).next_u64(),
             params,

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow::{self, Break, Continue};
 
 use vb_record::{Sample, TraceMode, TraceRecorder, WheelSample};
-use vb_score::{Scorer, TaskGeometry, Verdict};
+use vb_score::{Scorer, Verdict};
 use vb_sdk::{Command, Observation};
 use vb_sense::{Perception, Readings, Truth};
 use vb_sim::{Controls, SAMPLE_PERIOD, SimError, Simulation, StateHash, VehicleState};
@@ -33,7 +33,7 @@ impl Ledger {
     pub(crate) fn new(trial: &Trial<'_>) -> Self {
         let wheels = 2 * trial.vehicle.axles().len();
         Self {
-            scorer: Scorer::new(trial.rules, &TaskGeometry::of(trial.world(), trial.task)),
+            scorer: Scorer::new(trial.rules, &trial.geometry()),
             recorder: TraceRecorder::new(trial.trace, wheels),
             hash: StateHash::default(),
             recent: Recent::new(trial.world().scale),

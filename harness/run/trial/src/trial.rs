@@ -128,6 +128,11 @@ impl Trial<'_> {
         self.surroundings.world()
     }
 
+    /// Where the task is, and for which vehicle.
+    pub(crate) fn geometry(&self) -> TaskGeometry {
+        TaskGeometry::of(self.world(), self.task, self.vehicle.spec().max_speed)
+    }
+
     /// Lets a driver drive the task to its end, with these sensors. It returns `None` if `cancel` was set before the end
     /// came.
     #[must_use]
@@ -221,7 +226,7 @@ impl Trial<'_> {
             backtrace,
         };
         record.judge();
-        let (start, geometry) = (self.task.start, TaskGeometry::of(self.world(), self.task));
+        let (start, geometry) = (self.task.start, self.geometry());
         let trace = ledger.recorder.finish(TraceMeta {
             schema: TRACE_SCHEMA,
             task: world.task_id(self.task),
@@ -230,6 +235,7 @@ impl Trial<'_> {
             goal_z: geometry.goal_z,
             half_extent: geometry.half_extent,
             scale: geometry.scale,
+            max_speed: geometry.max_speed,
             time_step: self.options.step,
             sample_period: SAMPLE_PERIOD,
             mode: self.trace,

@@ -20,8 +20,8 @@ fn ratio(scale: f64) -> String {
     }
 }
 
-/// The rule that decides for an outcome in a world of a scale, in words; none where no rule did.
-fn rule(rules: &Rules, outcome: Outcome, scale: f64) -> Option<String> {
+/// The rule that decides for an outcome in a world of a scale and a vehicle of a maximum speed (m/s), in words; none where no rule did.
+fn rule(rules: &Rules, outcome: Outcome, scale: f64, max_speed: f64) -> Option<String> {
     let pace = scale.sqrt();
     let rollover = || {
         let by_angle = rules.rollover.map(|r| {
@@ -59,7 +59,9 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64) -> Option<String> {
             }
         }),
         Outcome::Rollover => rollover(),
-        Outcome::Timeout => Some(format!("the goal not reached within {} s", short(rules.time_limit(scale)))),
+        Outcome::Timeout => {
+            Some(format!("the goal not reached within {} s", short(rules.time_limit(scale, max_speed))))
+        }
         Outcome::OutOfBounds => rules.out_of_bounds.map(|r| match r.margin_m * scale {
             0.0 => "beyond the edge of the world".to_owned(),
             margin => format!("more than {} m beyond the edge of the world", short(margin)),
@@ -72,7 +74,9 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64) -> Option<String> {
 pub(crate) fn facts(run: &ReplayRun, scale: f64) -> Vec<(&'static str, String)> {
     let record = &run.record;
     let mut facts = vec![("outcome", record.outcome.name().replace('_', " "))];
-    if let Some(text) = run.rules.as_ref().and_then(|rules| rule(rules, record.outcome, scale)) {
+    if let Some(text) =
+        run.rules.as_ref().and_then(|rules| rule(rules, record.outcome, scale, run.vehicle.max_speed))
+    {
         facts.push(("by the rule", text));
     }
     facts.push(("reason", record.reason.clone()));
@@ -109,7 +113,7 @@ mod tests {
     fn the_rule_that_decided_is_said_at_the_scale_of_the_world() {
         // tasks/rules/paper.yaml: 10 m, 60 s, 1 m in 10 s, 30° at the end, 0 m of margin.
         let paper = built_in("paper");
-        let said = |outcome, scale| rule(&paper, outcome, scale).unwrap();
+        let said = |outcome, scale| rule(&paper, outcome, scale, 30.0).unwrap();
         assert_eq!(said(Outcome::Success, 1.0), "within 10 m of the goal, seen from above");
         assert_eq!(said(Outcome::Stuck, 1.0), "moved less than 1 m within 10 s");
         assert_eq!(said(Outcome::Timeout, 1.0), "the goal not reached within 60 s");
@@ -118,12 +122,12 @@ mod tests {
         // Lengths shrink by 4, and times by its root.
         assert_eq!(said(Outcome::Stuck, 0.25), "moved less than 0.25 m within 5 s");
         assert_eq!(said(Outcome::Timeout, 0.25), "the goal not reached within 30 s");
-        assert_eq!(rule(&paper, Outcome::PlannerError, 1.0), None, "no rule, but a fault");
+        assert_eq!(rule(&paper, Outcome::PlannerError, 1.0, 30.0), None, "no rule, but a fault");
         let dev = built_in("dev");
         let text = "a failed trial with a roll of more than 30°, or a pitch of more than 30° at any time";
-        assert_eq!(rule(&dev, Outcome::Rollover, 1.0).unwrap(), text);
+        assert_eq!(rule(&dev, Outcome::Rollover, 1.0, 30.0).unwrap(), text);
         assert_eq!(
-            rule(&dev, Outcome::Success, 0.1).unwrap(),
+            rule(&dev, Outcome::Success, 0.1, 30.0).unwrap(),
             "within 1 m of the point 0.2 m above the goal"
         );
     }

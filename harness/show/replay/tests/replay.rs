@@ -94,6 +94,7 @@ impl Drive {
                 goal_z: 0.0,
                 half_extent: [32.0, 32.0],
                 scale: 1.0,
+                max_speed: 30.0,
                 time_step: 0.001,
                 sample_period: 0.01,
                 mode,

@@ -100,6 +100,7 @@ fn trace(task: &TaskId, end: f64) -> Trace {
         goal_z: 0.0,
         half_extent: [32.0, 32.0],
         scale: 1.0,
+        max_speed: 30.0,
         time_step: 0.001,
         sample_period: 0.01,
         mode: TraceMode::TenHz,

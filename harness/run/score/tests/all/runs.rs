@@ -104,7 +104,7 @@ const RIDE: Ride = Ride {
 };
 
 const GEOMETRY: TaskGeometry =
-    TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0 };
+    TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0, max_speed: 30.0 };
 
 /// Runs task `name`, a wobbly straight drive at `speed`, under `rules`; the planner fails at `fault` (s).
 fn run(
@@ -163,6 +163,7 @@ fn drive(
         goal_z: GEOMETRY.goal_z,
         half_extent: GEOMETRY.half_extent,
         scale: GEOMETRY.scale,
+        max_speed: 30.0,
         time_step: 0.001,
         sample_period: 0.01,
         mode,

@@ -14,7 +14,7 @@ use vb_score::{Fault, Outcome, Rules, Scorer, TaskGeometry, TaskScore, ThreeWay}
 const DT: f64 = 0.01;
 
 fn geometry() -> TaskGeometry {
-    TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0 }
+    TaskGeometry { goal: [60.0, 0.0], goal_z: 0.0, half_extent: [64.0, 64.0], scale: 1.0, max_speed: 30.0 }
 }
 
 /// Plays a trajectory until the rules decide or `end` (s) has come.
@@ -83,9 +83,31 @@ fn the_marker_of_the_released_rules_is_two_metres_up() {
 }
 
 #[test]
+fn a_slow_vehicle_has_time_in_proportion_to_its_speed() {
+    // 60 s are for 5 m/s; at a quarter 30 s for 2.5 m/s.
+    let at = |t: f64| Sample { x: -60.0 + t, ..Sample::default() };
+    let limit = |scale: f64, max_speed: f64| {
+        let geometry =
+            TaskGeometry { goal: [1e6, 0.0], half_extent: [1e6, 1e6], scale, max_speed, ..geometry() };
+        play(&Rules::paper(), &geometry, 700.0, at).unwrap().time_s
+    };
+    for (scale, max_speed, expected) in [
+        (1.0, 30.0, 60.0),
+        (1.0, 5.0, 60.0),
+        (1.0, 2.0, 150.0),
+        (0.25, 2.5, 30.0),
+        (0.25, 1.0, 75.0),
+        (1.0, 0.01, 600.0),
+    ] {
+        close(limit(scale, max_speed), expected, DT);
+    }
+}
+
+#[test]
 fn lengths_in_rules_scale_with_the_world_and_times_with_the_root_of_its_scale() {
     let scale = 0.1;
-    let small = TaskGeometry { goal: [6.0, 0.0], goal_z: 0.0, half_extent: [6.4, 6.4], scale };
+    let small =
+        TaskGeometry { goal: [6.0, 0.0], goal_z: 0.0, half_extent: [6.4, 6.4], scale, max_speed: 30.0 };
     // 12 m apart, radius 1 m.
     let score = play(&Rules::paper(), &small, 60.0, |t| Sample { x: -6.0 + t, ..Sample::default() }).unwrap();
     assert_eq!(score.outcome, Outcome::Success);
