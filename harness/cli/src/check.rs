@@ -28,6 +28,13 @@ struct Counts {
 }
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
+    let plugin = args.plugin.path();
+    if Recording::is_one(plugin) {
+        let path = plugin.display();
+        return Err(CliError::usage(format!(
+            "{path}: a recording has no planner to check (check the planner of its run)"
+        )));
+    }
     let suite = suite::open(&args.suite)?;
     let tasks = spread(suite::select(&suite, args.tasks.as_deref())?);
     // Those of runs by default: a planner's promises don't depend on them.
@@ -35,14 +42,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
     let vehicle = places::catalog().vehicle(VEHICLE)?;
     let soils = places::catalog().soils(SOILS, SOIL_RESOLUTION)?;
     let limits = args.planner.limits.as_deref().map_or_else(|| Ok(Limits::default()), run::limits)?;
-    let plugin = args.plugin.path();
     planner::can_be_confined(plugin, args.planner.require_sandbox)?;
-    if Recording::is_one(plugin) {
-        let path = plugin.display();
-        return Err(CliError::usage(format!(
-            "{path}: a recording has no planner to check (check the planner of its run)"
-        )));
-    }
     let command = planner::command(plugin);
     let file = command.is_none().then_some(plugin);
     let kit = Kit {

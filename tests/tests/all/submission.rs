@@ -133,11 +133,11 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
     let pid = pid();
     let tasks = ["--suite", "mini", "--tasks", "w001/t00-t02"];
     let drive = |planner: &str, more: &[&str]| mini.run(&[&["run", planner][..], &tasks, more].concat());
-    drive(text(&pid), &["--out", "run", "--perception", "onboard"]).ok();
+    drop(drive(text(&pid), &["--out", "run", "--perception", "onboard"]).ok());
     mini.ok(&["commands", "run", "--out", "pid.commands"]);
     let told = mini.ok(&["inspect", "pid.commands"]);
     assert!(told.contains("recorded commands of a planner of kind wasm"), "{told}");
-    drive("pid.commands", &["--out", "again", "--perception", "onboard"]).ok();
+    drop(drive("pid.commands", &["--out", "again", "--perception", "onboard"]).ok());
     let (first, again) = (mini.bench.records("run"), mini.bench.records("again"));
     assert_eq!(first.len(), 3);
     for (task, record) in &first {
@@ -181,7 +181,7 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
         "--logs",
         "all",
     ]);
-    told.ok();
+    drop(told.ok());
     let more = &mini.bench.records("more")["w001/t03"];
     assert_eq!(
         (&more["outcome"], &more["fault"]),
@@ -189,7 +189,7 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
         "{more}"
     );
     // Runs whose traces lack commands, and files that are none.
-    drive(text(&pid), &["--out", "untraced", "--trace", "none"]).ok();
+    drop(drive(text(&pid), &["--out", "untraced", "--trace", "none"]).ok());
     assert!(mini.run(&["commands", "untraced", "--out", "c"]).error(3).contains("w001/t00 has no trace"));
     mini.bench.write("cut.commands", &fs::read(mini.path("pid.commands")).expect("it")[..2000]);
     let trace = mini.path("run/traces/w001/t00.parquet");
