@@ -52,6 +52,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "records", run: records::run, seeds: records::seeds },
     Target { name: "series", run: tables::series, seeds: tables::series_seeds },
     Target { name: "trace", run: tables::trace, seeds: tables::trace_seeds },
+    Target { name: "recording", run: tables::recording, seeds: tables::recording_seeds },
     Target { name: "dataset", run: dataset::run, seeds: dataset::seeds },
     Target { name: "manifest", run: manifest::run, seeds: manifest::seeds },
     Target { name: "weights", run: weights::run, seeds: weights::seeds },

@@ -1,8 +1,8 @@
-//! Parquet files of runs: a planner's series, and traces.
+//! Parquet files of runs: a planner's series, traces, and recorded commands.
 
 use std::path::{Path, PathBuf};
 
-use vb_record::{DebugSeries, RunReader, RunStore, Trace};
+use vb_record::{AppliedCommand, DebugSeries, Recording, RunReader, RunStore, Trace};
 
 use crate::site::Site;
 
@@ -40,6 +40,28 @@ pub(crate) fn trace(data: &[u8]) {
 
 pub(crate) fn trace_seeds() -> Vec<Vec<u8>> {
     vec![TRACE.to_vec()]
+}
+
+/// Recorded commands of a run, which a submission to the open division has as its planner.
+pub(crate) fn recording(data: &[u8]) {
+    read(data, |path| {
+        if let Ok((recording, _)) = Recording::read(path) {
+            let commands = recording.tasks.values().flatten();
+            assert!(commands.flat_map(|c| [c.steering, c.throttle, c.brake, c.gear]).all(f64::is_finite));
+        }
+    });
+}
+
+pub(crate) fn recording_seeds() -> Vec<Vec<u8>> {
+    let site = Site::new().with(vec![(PathBuf::from("run/run.json"), HEADER.to_vec())]);
+    let header = RunReader::open(&site.path().join("run")).expect("a run").header().clone();
+    let command = AppliedCommand { steering: -0.25, throttle: 0.5, brake: 0.0, gear: 0.0 };
+    let tasks = [("w001/t00", 1), ("w001/t01", 300)]
+        .map(|(task, n)| (task.parse().expect("a task"), vec![command; n]));
+    let recording = Recording { header, departures: vec!["time step 5 ms".into()], tasks: tasks.into() };
+    let path = site.path().join(FILE);
+    recording.write(&path).expect("a file");
+    vec![std::fs::read(path).expect("the file")]
 }
 
 /// The files that a run writes of series of one value, of many names, and of many values.
@@ -83,6 +105,7 @@ mod tests {
         for (seeds, is_read) in [
             (series_seeds(), (|path| DebugSeries::read(path).is_ok()) as fn(&Path) -> bool),
             (trace_seeds(), |path| Trace::read(path).is_ok()),
+            (recording_seeds(), |path| Recording::read(path).is_ok_and(|(r, _)| r.tasks.len() == 2)),
         ] {
             for seed in seeds {
                 site.write(Path::new(FILE), &seed);
