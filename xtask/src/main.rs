@@ -61,7 +61,7 @@ Tasks:
                         target/releases]; --check: unpack it elsewhere, and see that it works
   install               Install the program for this user as `cargo install` does, with the planners
   abi                   Make what follows from the planner interface's text: types, conversions, headers, tables
-  fields                Make the reference of all fields of a vehicle file, docs/vehicle-fields.md, from the code that reads it
+  fields                Make the references of all fields of files, docs/vehicle-fields.md and docs/file-fields.md, from the code that reads them
   kernel [ARCH]...      Compile the simulator for GPUs of NVIDIA's, of all architectures or of some (sm_80, sm_90, sm_100,
                         sm_120): target/kernel/vb-kernel-ARCH.cubin.xz (needs Debian's packages, and 9 GB of memory)
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay

@@ -14,11 +14,11 @@ use vb_world::{Obstacle, World, geometry};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathParams {
-    /// The least distance from the path to any obstacle, m.
+    /// The minimum distance from the path to any obstacle, m.
     pub clearance: f64,
     /// The resolution of the search grid, m.
     pub grid: f64,
-    /// The largest distance between waypoints, m.
+    /// The maximum distance between waypoints, m.
     pub spacing: f64,
 }
 

@@ -29,7 +29,7 @@ impl Elevation {
     }
 }
 
-/// The kind of ground that a world has.
+/// The terrain of a world: rigid, deformable, or mixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Terrain {

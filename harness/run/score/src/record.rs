@@ -103,7 +103,7 @@ pub struct TaskRecord {
     pub world: String,
     /// The elevation level of the world.
     pub elevation: Elevation,
-    /// The kind of ground of the world.
+    /// The terrain of the world.
     pub terrain: Terrain,
     /// The obstacle density of the world.
     pub density: Density,
@@ -111,7 +111,7 @@ pub struct TaskRecord {
     pub outcome: Outcome,
     /// The paper's class of the outcome.
     pub three_way: ThreeWay,
-    /// What is true or false of the trial beside its outcome ([`TaskRecord::judge`]); what isn't known is left out.
+    /// Properties of the trial in addition to its outcome ([`TaskRecord::judge`]); unknown ones are left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub flags: BTreeMap<Flag, bool>,
     /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be

@@ -98,7 +98,7 @@ pub struct Group {
     /// The number of commands that were clamped.
     pub clamped: u64,
     /// The resources that the planner used: the `total` fuel of all tasks together, and otherwise the most of any task
-    /// (so `p99_step` is the 99th percentile of the task where that is greatest). It is `None` for native planners.
+    /// (so `p99_step` is the 99th percentile of the task where that is maximal). It is `None` for native planners.
     pub fuel: Option<FuelUse>,
 }
 

@@ -111,6 +111,7 @@ pub struct Manifest {
     pub results: Option<Group>,
     /// The tasks whose traces are carried along for replays. They are always among those that are driven again.
     pub replays: Vec<TaskId>,
+    /// The result of each task.
     pub tasks: BTreeMap<TaskId, TaskEntry>,
     /// The SHA-256 (hexadecimal) of every other file, by its name.
     pub files: BTreeMap<String, String>,

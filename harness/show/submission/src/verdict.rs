@@ -91,6 +91,7 @@ pub struct SampleTaken {
 pub struct Verification {
     /// The version of the layout, [`VERIFICATION_SCHEMA`].
     pub schema: u32,
+    /// The version of the harness that verified.
     pub harness_version: String,
     /// Whether nothing was found.
     pub verified: bool,
@@ -98,6 +99,7 @@ pub struct Verification {
     pub submission_sha256: String,
     /// The SHA-256 of the plugin that was driven.
     pub plugin_sha256: String,
+    /// The content hash of the suite.
     pub suite_hash: String,
     /// The division by the rules.
     pub division: Division,

@@ -86,19 +86,33 @@ pub struct File {
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
+    /// How the next task is chosen. The other fields belong to one kind each and are required there.
     kind: Kind,
+    /// `manual`: the tasks of each stage, in order.
     stages: Option<Vec<Stage>>,
+    /// `manual`: the episodes of an environment at a stage after which it may change the stage.
     window: Option<u32>,
+    /// `manual`: the success rate in the window from which an environment moves up.
     promote: Option<f64>,
+    /// `manual`: the success rate in the window down to which an environment moves down.
     demote: Option<f64>,
+    /// `manual`: the fraction of episodes from earlier stages.
     review: Option<f64>,
+    /// `learnability`: the fraction of episodes that are sampled uniformly from all tasks.
     explore: Option<f64>,
+    /// `learnability`: the factor on the weight of a task's earlier outcomes with each new one. `replay`: the weight of the old score.
     keep: Option<f64>,
+    /// `learnability`: the same factor for outcomes of all tasks of a level.
     keep_level: Option<f64>,
+    /// `learnability`: the number of a task's outcomes that weigh as much as those of its level.
     prior: Option<f64>,
+    /// `replay`: the probability of a task that was driven before.
     replay: Option<f64>,
+    /// `replay`: the fraction of all tasks that must have been driven before one is repeated.
     seen: Option<f64>,
+    /// `replay`: the temperature of the ranks by score.
     temperature: Option<f64>,
+    /// `replay`: the weight of the time since a task was driven.
     staleness: Option<f64>,
 }
 
@@ -125,10 +139,15 @@ impl Stage {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
+/// A rule that chooses tasks.
 enum Kind {
+    /// All tasks with the same probability.
     Uniform,
+    /// By stages, on which each environment moves up and down on its own.
     Manual,
+    /// Proportional to p(1 − p) with the success rate p of a task.
     Learnability,
+    /// By prioritised level replay.
     Replay,
 }
 

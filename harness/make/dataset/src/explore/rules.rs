@@ -28,13 +28,13 @@ pub struct Exploration {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SteeringDraws {
-    /// The least and the greatest amplitude, from 0 to 1.
+    /// The minimum and the maximum amplitude, from 0 to 1.
     pub amplitude: [f64; 2],
-    /// The least and the greatest frequency, Hz.
+    /// The minimum and the maximum frequency, Hz.
     pub frequency_hz: [f64; 2],
-    /// The least and the greatest offset, from -1 to 1.
+    /// The minimum and the maximum offset, from -1 to 1.
     pub offset: [f64; 2],
-    /// The least and the greatest time between two draws, s.
+    /// The minimum and the maximum time between two draws, s.
     pub hold_s: [f64; 2],
 }
 
@@ -42,9 +42,9 @@ pub struct SteeringDraws {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedDraws {
-    /// The least and the greatest speed, m/s.
+    /// The minimum and the maximum speed, m/s.
     pub range_m_per_s: [f64; 2],
-    /// The least and the greatest time between two draws, s.
+    /// The minimum and the maximum time between two draws, s.
     pub hold_s: [f64; 2],
 }
 
@@ -53,7 +53,7 @@ pub struct SpeedDraws {
 pub struct ReverseDraws {
     /// The probability that a draw of the speed is one in reverse.
     pub probability: f64,
-    /// The least and the greatest speed, m/s.
+    /// The minimum and the maximum speed, m/s.
     pub range_m_per_s: [f64; 2],
 }
 
@@ -61,11 +61,11 @@ pub struct ReverseDraws {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartDraws {
-    /// The greatest tilt of the ground under the wheels, degrees.
+    /// The maximum tilt of the ground under the wheels, degrees.
     pub tilt_deg: f64,
-    /// The least distance from the vehicle to an obstacle, m.
+    /// The minimum distance from the vehicle to an obstacle, m.
     pub clearance_m: f64,
-    /// The least distance to the edge of the world, m.
+    /// The minimum distance to the edge of the world, m.
     pub edge_m: f64,
 }
 

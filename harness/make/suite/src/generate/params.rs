@@ -11,8 +11,11 @@ use vb_world::{Density, Elevation, Terrain, TerrainClass};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByElevation {
+    /// The value at low elevation.
     pub low: f64,
+    /// The value at medium elevation.
     pub medium: f64,
+    /// The value at high elevation.
     pub high: f64,
 }
 
@@ -40,8 +43,11 @@ impl ByElevation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByDensity {
+    /// The number in sparse worlds.
     pub sparse: usize,
+    /// The number in medium worlds.
     pub medium: usize,
+    /// The number in dense worlds.
     pub dense: usize,
 }
 
@@ -66,8 +72,11 @@ impl ByDensity {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ByGround<T> {
+    /// The value in rigid worlds.
     pub rigid: T,
+    /// The value in deformable worlds.
     pub deformable: T,
+    /// The value in mixed worlds.
     pub mixed: T,
 }
 
@@ -126,7 +135,9 @@ fn shape_flaw((field, problem): (String, String)) -> Flaw {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Normal {
+    /// The mean.
     pub mean: f64,
+    /// The standard deviation.
     pub std: f64,
 }
 
@@ -134,7 +145,7 @@ pub struct Normal {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionParams {
-    /// The least and the largest value.
+    /// The minimum and the maximum value.
     pub clip: [f64; 2],
     pub clay: Normal,
     pub concrete: Normal,
@@ -170,7 +181,7 @@ pub struct GroundParams {
     pub order: Vec<Terrain>,
     /// The number of patches along each side.
     pub patches: usize,
-    /// The least and the largest number of clusters.
+    /// The minimum and the maximum number of clusters.
     pub clusters: ByGround<[usize; 2]>,
     /// The standard deviation of a cluster's centre about the middle, as a share of the side.
     pub centre_spread: f64,
@@ -180,25 +191,27 @@ pub struct GroundParams {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleParams {
+    /// The number of boulders.
     pub boulders: ByDensity,
+    /// The number of trees.
     pub trees: ByDensity,
     /// The extents of a boulder of scale 1, m.
     pub boulder_size: [f64; 3],
-    /// The least and the largest scale of a boulder.
+    /// The minimum and the maximum scale of a boulder.
     pub boulder_scale: [f64; 2],
-    /// The least and the largest factor by which each extent of a boulder differs besides.
+    /// The minimum and the maximum factor by which each extent of a boulder differs besides.
     pub boulder_stretch: [f64; 2],
-    /// The least and the largest radius of a trunk, m.
+    /// The minimum and the maximum radius of a trunk, m.
     pub trunk_radius: [f64; 2],
-    /// The least and the largest length of a trunk, m.
+    /// The minimum and the maximum length of a trunk, m.
     pub trunk_height: [f64; 2],
     /// The share of the height that is below the ground.
     pub buried: f64,
-    /// The largest distance of a centre from the middle along x and y, m.
+    /// The maximum distance of a centre from the middle along x and y, m.
     pub extent: f64,
-    /// The least distance between two centres, m.
+    /// The minimum distance between two centres, m.
     pub spacing: f64,
-    /// The least distance of a centre from every start and goal, m.
+    /// The minimum distance of a centre from every start and goal, m.
     pub task_clearance: f64,
     /// The number of draws for one obstacle.
     pub attempts: usize,
@@ -238,17 +251,17 @@ pub struct TaskParams {
 pub struct StandParams {
     /// The radius of the disc, m.
     pub reach: f64,
-    /// The greatest tilt of the plane that fits the ground best, degrees.
+    /// The maximum tilt of the plane that fits the ground best, degrees.
     pub tilt: f64,
-    /// The greatest height of the ground above or below that plane, m.
+    /// The maximum height of the ground above or below that plane, m.
     pub unevenness: f64,
     /// The length and the width of the rectangle of wheels that heads from the start to the goal, m.
     pub wheels: [f64; 2],
     /// The steepest rise at a start from the rear wheels to the front wheels, degrees.
     pub climb: f64,
-    /// The greatest height at a start by which one pair of diagonal wheels stands above the other, m.
+    /// The maximum height at a start by which one pair of diagonal wheels stands above the other, m.
     pub twist: f64,
-    /// The greatest share of the friction that the slope under the wheels takes at a start.
+    /// The maximum share of the friction that the slope under the wheels takes at a start.
     pub grip: f64,
 }
 
@@ -260,8 +273,10 @@ pub struct GeneratorParams {
     _schema: Schema<1>,
     pub name: String,
     pub grid: GridParams,
+    /// The heights.
     pub elevation: ElevationParams,
     pub ground: GroundParams,
+    /// The boulders and trees.
     pub obstacles: ObstacleParams,
     pub tasks: TaskParams,
     pub path: PathParams,

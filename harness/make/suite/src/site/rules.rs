@@ -40,10 +40,10 @@ pub struct SiteGround {
 #[serde(deny_unknown_fields)]
 pub struct GroundRule {
     pub class: TerrainClass,
-    /// The least and the greatest slope, degrees.
+    /// The minimum and the maximum slope, degrees.
     #[serde(default = "always")]
     pub slope: [f64; 2],
-    /// The least and the greatest height above the lowest place of the world, m.
+    /// The minimum and the maximum height above the lowest place of the world, m.
     #[serde(default = "always")]
     pub height: [f64; 2],
 }

@@ -19,7 +19,9 @@ pub struct TestbedParams {
     _schema: Schema<1>,
     pub name: String,
     pub bed: BedParams,
+    /// The heights of the beds.
     pub elevation: BedElevation,
+    /// The materials of the patches.
     pub materials: Materials,
     pub trials: TrialParams,
     pub stand: StandParams,
@@ -59,7 +61,7 @@ pub struct BedLevel {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Materials {
-    /// The least and the largest friction of a patch.
+    /// The minimum and the maximum friction of a patch.
     pub clip: [f64; 2],
     /// The materials, each of which covers as many patches as every other, or one more.
     pub all: Vec<Material>,

@@ -35,10 +35,15 @@ pub struct ProfileData {
     /// The estimate of the vehicle's state.
     pub pose: Option<PoseModel>,
     pub wheel_odometry: Option<WheelModel>,
+    /// The inertial sensor.
     pub imu: Option<ImuModel>,
+    /// The receiver of satellite positions.
     pub gnss: Option<GnssModel>,
+    /// The lidar.
     pub lidar: Option<LidarModel>,
+    /// The depth camera.
     pub depth: Option<DepthModel>,
+    /// The map of heights and classes that lidar and camera build up around the vehicle.
     pub local_map: Option<LocalMapModel>,
 }
 
@@ -151,6 +156,7 @@ pub enum WheelModel {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WheelNoise {
+    /// The counts of an encoder in a turn of the wheel.
     pub counts_per_turn: u32,
     /// The time over which counts are taken for a spin, s: a multiple of 10 ms.
     pub window_s: f64,
@@ -161,6 +167,7 @@ pub struct WheelNoise {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImuModel {
+    /// The number of measurements in a second.
     pub rate_hz: f64,
     /// The errors of the specific force along each axis, in m/s².
     pub accelerometer: Inertial,
@@ -188,6 +195,7 @@ pub struct Inertial {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GnssModel {
+    /// The number of positions in a second.
     pub rate_hz: f64,
     /// The errors along x and y each.
     pub horizontal: GnssError,
@@ -222,18 +230,20 @@ pub struct LidarModel {
     pub lowest_deg: f64,
     /// The elevation of the highest beam, degrees.
     pub highest_deg: f64,
-    /// The least distance that it measures, m.
+    /// The minimum distance that it measures, m.
     pub min_range_m: f64,
-    /// The greatest distance that it measures, m.
+    /// The maximum distance that it measures, m.
     pub max_range_m: f64,
     /// The standard deviation of a distance, m.
     pub range_std_m: f64,
     /// The probability that nothing comes back from near by.
     pub dropout_near: f64,
-    /// The probability that nothing comes back from the greatest distance. In between it grows with the distance squared,
+    /// The probability that nothing comes back from the maximum distance. In between it grows with the distance squared,
     /// as the light that comes back becomes less.
     pub dropout_far: f64,
+    /// The dust in the air; none if absent.
     pub dust: Option<Dust>,
+    /// The place and direction of the lidar.
     pub mount: MountModel,
 }
 
@@ -248,14 +258,17 @@ pub struct Dust {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthModel {
+    /// The number of images in a second.
     pub rate_hz: f64,
+    /// The number of rows of an image.
     pub rows: u32,
+    /// The number of columns of an image.
     pub cols: u32,
     /// The angle between the left and the right edge of an image, degrees.
     pub field_of_view_deg: f64,
-    /// The least depth that it measures, m.
+    /// The minimum depth that it measures, m.
     pub min_depth_m: f64,
-    /// The greatest depth that it measures, m.
+    /// The maximum depth that it measures, m.
     pub max_depth_m: f64,
     /// The standard deviation of a depth over the depth squared, 1/m.
     pub error_per_m: f64,
@@ -265,6 +278,7 @@ pub struct DepthModel {
     pub labels: bool,
     #[serde(default)]
     pub confusions: Confusions,
+    /// The place and direction of the camera.
     pub mount: MountModel,
 }
 

@@ -26,6 +26,7 @@ pub struct SoilSet {
     pub name: String,
     /// A description in one line, for people.
     pub description: String,
+    /// The soils by name.
     pub soils: BTreeMap<String, SoilLaw>,
     /// The names of the soils of mud, sand and snow.
     pub classes: Classes,
@@ -35,8 +36,11 @@ pub struct SoilSet {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Classes {
+    /// The soils of mud.
     pub mud: Levels,
+    /// The soils of sand.
     pub sand: Levels,
+    /// The soils of snow.
     pub snow: Levels,
 }
 
@@ -44,8 +48,11 @@ pub struct Classes {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Levels {
+    /// The name of the soil at the level soft.
     pub soft: String,
+    /// The name of the soil at the level medium.
     pub medium: String,
+    /// The name of the soil at the level hard.
     pub hard: String,
 }
 

@@ -52,17 +52,24 @@ struct File {
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
+    /// The suite, as `--suite` takes it.
     suite: Option<String>,
+    /// The selector of tasks; all if absent.
     tasks: Option<String>,
+    /// The rule profile, as `--rules` takes it.
     #[serde(default = "paper")]
     rules: String,
     #[serde(default)]
     trace: TraceMode,
+    /// The planners.
     planners: Vec<Planner>,
     #[serde(default = "hmmwv")]
+    /// The vehicles, as `--vehicle` takes them.
     vehicles: Vec<String>,
     #[serde(default = "oracle")]
+    /// The perception profiles, as `--perception` takes them.
     perceptions: Vec<String>,
+    /// The seeds.
     #[serde(default = "zero")]
     seeds: Vec<u64>,
 }
@@ -70,8 +77,11 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Planner {
+    /// The planner's file.
     plugin: String,
+    /// The name in results; that of the planner if absent.
     name: Option<String>,
+    /// The parameters, each with a value or a list of values.
     #[serde(default)]
     params: BTreeMap<String, Values>,
 }
