@@ -110,7 +110,7 @@ pub struct File {
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
-    /// The weight of each term by its name ([terms](environments.md#reward)); 0 if absent.
+    /// The weight of each term by its name ([terms](environments.md#rewards-and-episode-ends)); 0 if absent.
     weights: BTreeMap<String, f64>,
 }
 
