@@ -71,7 +71,8 @@ Tasks:
   prove SUITE           Let the expert and other planners drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
   results [COURSE]...   Drive the planners over the suites and the original's worlds, or over some of these courses, and write the
-                        tables of results in README and docs (--resume: continue the runs in target/results)
+                        tables of results in README and docs, and state hashes in docs/results (--resume: continue the runs in
+                        target/results; --verify: drive a tenth of the tasks and compare state hashes)
   sensitivity           Run PID and TAL over 200 tasks of vb-100 with each uncertain parameter of vehicle and soils at its
                         bounds, and print the success rates (--resume: take complete runs as they are, continue others)
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them

@@ -1,5 +1,6 @@
 //! The results of planners over the suites, as tables in README and docs.
 
+mod hashes;
 mod published;
 mod table;
 
@@ -17,6 +18,7 @@ use crate::{built, default_plugin_dir, root, target_dir};
 pub(super) enum Class {
     Classical,
     Hybrid,
+    EndToEnd,
     /// Not of the paper, and not ranked.
     Reference,
 }
@@ -26,6 +28,7 @@ impl Class {
         match self {
             Self::Classical => "classical",
             Self::Hybrid => "hybrid",
+            Self::EndToEnd => "end-to-end",
             Self::Reference => "reference",
         }
     }
@@ -70,6 +73,9 @@ const ENTRIES: &[Entry] = &[
     Entry { plugin: "mppi6", label: "MPPI-6", params: &[], class: Class::Hybrid },
     Entry { plugin: "tal", label: "TAL", params: &[], class: Class::Hybrid },
     Entry { plugin: "tnt", label: "TNT", params: &[], class: Class::Hybrid },
+    Entry { plugin: "rl", label: "RL (SAC)", params: &[], class: Class::EndToEnd },
+    Entry { plugin: "mcl", label: "MCL (SAC)", params: &[], class: Class::EndToEnd },
+    Entry { plugin: "acl", label: "ACL (SAC)", params: &[], class: Class::EndToEnd },
     Entry { plugin: "ibex", label: "Ibex", params: &[], class: Class::Reference },
 ];
 
@@ -119,11 +125,16 @@ const KINDS: [(&str, Make); 3] =
 /// The documents whose tables are made here.
 const DOCUMENTS: [&str; 2] = ["README.md", "docs/benchmark-results.md"];
 
-/// Drives every entry over every course, or over those that are named, and writes their tables into the documents. With
-/// `--resume`, earlier runs go on where they ended.
+/// The tasks by which results are verified: a tenth of a whole suite.
+const VERIFIED: &str = "w*/t00";
+
+/// Drives every entry over every course, or over those that are named, and writes their tables into the documents, and the state
+/// hashes of all tasks into `docs/results`. With `--resume`, earlier runs go on where they ended. With `--verify`, drives a tenth of
+/// the tasks and compares their state hashes instead.
 pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
-    let resume = options.contains(&"--resume");
-    let names: Vec<&str> = options.iter().copied().filter(|o| *o != "--resume").collect();
+    let (resume, verify) = (options.contains(&"--resume"), options.contains(&"--verify"));
+    let names: Vec<&str> =
+        options.iter().copied().filter(|o| !matches!(*o, "--resume" | "--verify")).collect();
     if let Some(unknown) = names.iter().find(|name| COURSES.iter().all(|c| c.name != **name)) {
         let known: Vec<&str> = COURSES.iter().map(|c| c.name).collect();
         return Err(Failure::new(format!(
@@ -134,17 +145,22 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
     crate::build_harness()?;
     crate::plugins::build_as_wasm(&default_plugin_dir())?;
     let folder = target_dir().join("results");
+    let courses = || COURSES.iter().filter(|c| names.is_empty() || names.contains(&c.name));
+    if verify {
+        return courses().try_for_each(|course| verified(course, &target_dir().join("results-verified")));
+    }
     let mut tables = Vec::new();
-    for course in COURSES.iter().filter(|c| names.is_empty() || names.contains(&c.name)) {
+    for course in courses() {
         if !resume {
             remove(&folder.join(course.name))?;
         }
         let suite = suite(course, &folder)?;
         let solvable = solvable(course)?;
-        let mut rows = Vec::new();
+        let (mut rows, mut states) = (Vec::new(), Vec::new());
         for entry in ENTRIES {
             let out = folder.join(course.name).join(run_name(entry));
             let summary = drive(entry, course, &suite, &out)?;
+            states.push((run_name(entry), hashes::of_run(&out)?));
             let of_solvable =
                 solvable.as_ref().map(|tasks| success_among(&out, tasks)).transpose()?.flatten();
             rows.push(Row { entry, summary, rank: None, of_solvable });
@@ -155,12 +171,42 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
         for (row, rank) in rows_ranked.zip(ranking(&runs, &folder)?) {
             row.rank = rank;
         }
+        hashes::write(course.name, &states)?;
         for (kind, make) in KINDS {
             tables.push((format!("{} {kind}", course.name), make(&rows)));
         }
     }
     for document in DOCUMENTS {
         write(&root().join(document), &tables)?;
+    }
+    Ok(())
+}
+
+/// Drives a tenth of a course's tasks again and compares their states with those behind the tables.
+///
+/// # Errors
+/// Returns an error that names the first task that ends in another state.
+fn verified(course: &Course, folder: &Path) -> Result<(), Failure> {
+    let Some(recorded) = hashes::read(course.name)? else {
+        step(&format!("{}: no state hashes are recorded", course.name));
+        return Ok(());
+    };
+    remove(&folder.join(course.name))?;
+    let suite = suite(course, folder)?;
+    let tenth = Course { tasks: VERIFIED, ..*course };
+    for entry in ENTRIES {
+        let Some(wanted) = recorded.get(&run_name(entry)) else { continue };
+        let out = folder.join(course.name).join(run_name(entry));
+        drive(entry, &tenth, &suite, &out)?;
+        let found = hashes::of_run(&out)?;
+        if let Some((task, hash)) = found.iter().find(|(task, hash)| wanted.get(*task) != Some(*hash)) {
+            let recorded = wanted.get(task).map_or("none", String::as_str);
+            return Err(Failure::new(format!(
+                "{}: {}: {task} ends with the state hash {hash}, recorded is {recorded}",
+                course.name, entry.label
+            )));
+        }
+        step(&format!("{}: {}: {} state hashes are equal", course.name, entry.label, found.len()));
     }
     Ok(())
 }
