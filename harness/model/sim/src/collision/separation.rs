@@ -1,7 +1,7 @@
 //! How far the hull is from the ground, at least: what spares rapier the triangles, and whole steps, that are out of reach.
 
 use rapier3d_f64::geometry::{ContactData, ContactManifoldData};
-use rapier3d_f64::parry::bounding_volume::BoundingVolume;
+use rapier3d_f64::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d_f64::parry::math::{Pose, Real, Vector};
 use rapier3d_f64::parry::query::details::NormalConstraints;
 use rapier3d_f64::parry::query::{
@@ -76,6 +76,35 @@ impl Order {
     }
 }
 
+/// A pose as a matrix, which places a point in half as many operations as parry's quaternion.
+struct Placement {
+    axes: [Vector; 3],
+    origin: Vector,
+}
+
+impl Placement {
+    fn new(pose: &Pose) -> Self {
+        Self {
+            axes: [Vector::X, Vector::Y, Vector::Z].map(|axis| pose.rotation * axis),
+            origin: pose.translation,
+        }
+    }
+
+    /// Where a point of the frame lies.
+    fn of(&self, p: Vector) -> Vector {
+        let [x, y, z] = self.axes;
+        x * p.x + y * p.y + z * p.z + self.origin
+    }
+
+    /// The box about some points of the frame.
+    fn bounds(&self, points: &[Vector]) -> Aabb {
+        let start = (Vector::splat(Real::INFINITY), Vector::splat(Real::NEG_INFINITY));
+        let (mins, maxs) =
+            points.iter().map(|p| self.of(*p)).fold(start, |(low, high), p| (low.min(p), high.max(p)));
+        Aabb::new(mins, maxs)
+    }
+}
+
 /// The manifolds of a convex solid with the ground. `pose` is that of the second shape in the frame of the first.
 fn ground_manifolds(
     ground: &HeightField,
@@ -92,15 +121,13 @@ fn ground_manifolds(
     };
     // The new ones are put behind those of the last step, which go then.
     let before = manifolds.len();
-    let around = solid.compute_aabb(&of_solid).loosened(prediction);
+    let around = Placement::new(&of_solid).bounds(solid.points()).loosened(prediction);
     let block = solid.local_aabb().loosened(prediction * (1.0 + 1e-9));
+    let to_solid = Placement::new(&if order == Order::GroundFirst { pose.inverse() } else { pose });
     let mut out_of_reach = [None; 2];
     let mut passed = 0;
     ground.map_elements_in_local_aabb(&around, &mut |number, triangle| {
-        let corners = [triangle.a, triangle.b, triangle.c].map(|p| match order {
-            Order::GroundFirst => pose.inverse_transform_point(p),
-            Order::SolidFirst => pose.transform_point(p),
-        });
+        let corners = [triangle.a, triangle.b, triangle.c].map(|p| to_solid.of(p));
         let beside = |k: usize| {
             let [a, b, c] = corners.map(|p| p[k]);
             a.min(b).min(c) > block.maxs[k] || a.max(b).max(c) < block.mins[k]

@@ -27,7 +27,6 @@ impl<const N: usize> Footprint<N> {
         let load = |row: &Row<N>, g: usize| f64x4::from_slice(simd, &row[g..g + LANES]);
         let (zero, half) = (all(0.0), all(0.5));
         let (modulus, shallower) = (all(soil.modulus(self.breadth)), all(soil.shallower(self.slip)));
-        let pressure = |z: f64x4<S>| soil.curve.at(simd, z * shallower) * modulus;
         let damping = all(1.0 / (speed.abs() + HALF));
         let (mut along_axis, mut about_heading, mut about_up) = (zero, zero, zero);
         for g in (0..N).step_by(LANES) {
@@ -39,7 +38,9 @@ impl<const N: usize> Footprint<N> {
             if !meets.any_true() {
                 continue;
             }
-            let (first, middle, last) = (pressure(from), pressure((from + to) * half), pressure(to));
+            let first = pressure(simd, soil, from, modulus, shallower);
+            let middle = pressure(simd, soil, (from + to) * half, modulus, shallower);
+            let last = pressure(simd, soil, to, modulus, shallower);
             let plastic = (to - from) * (first + middle * all(4.0) + last) * all(1.0 / 6.0);
             let elastic = last * last * all(0.5 * soil.compliance);
             // N s/m.
@@ -62,6 +63,18 @@ impl<const N: usize> Footprint<N> {
         // Of the inertia's components, that along the axle.
         sum.inertia[3] += dt * damping;
     }
+}
+
+/// The pressure (Pa) at depths (m). A closure would be compiled without the instructions of its caller, and would call each one.
+#[inline(always)]
+fn pressure<S: Simd>(
+    simd: S,
+    soil: &Soil,
+    depth: f64x4<S>,
+    modulus: f64x4<S>,
+    shallower: f64x4<S>,
+) -> f64x4<S> {
+    soil.curve.at(simd, depth * shallower) * modulus
 }
 
 #[cfg(test)]
