@@ -18,7 +18,7 @@ class Vehicle:
     name: str
     """The name of the vehicle, e.g. ``hmmwv``."""
     scale: float
-    """The scale of the world, relative to the full-size original: 1, 1/6 or 1/10."""
+    """The scale of the world, relative to the full-size original: 1, or less for smaller vehicles."""
     mass: float
     """The mass of the whole vehicle, kg."""
     length: float
