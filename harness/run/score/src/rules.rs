@@ -206,7 +206,7 @@ impl Rules {
     }
 
     /// The time limit at a scale of the world for a vehicle of a maximum speed (m/s), s. It is for vehicles that can drive
-    /// [`PACE`] (scaled); slower ones have more time in proportion, ten times as much at most.
+    /// 5 m/s (scaled); slower ones have more time in proportion, ten times as much at most.
     #[must_use]
     pub fn time_limit(&self, scale: f64, max_speed: f64) -> f64 {
         let scaled = scale.sqrt();
