@@ -15,14 +15,18 @@ fn text(path: &Path) -> &str {
 fn policies_get_over_easy_ground_and_drive_alike_in_both_kinds() {
     let bench = Bench::new();
     for name in PLANNERS {
-        let record = |kind: PluginKind| {
+        let records = |kind: PluginKind| {
             let (plugin, out) = (plugin(name, kind), format!("{name}-{kind:?}"));
-            bench.ok(&["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001/t00", "--out", &out]);
-            bench.records(&out).remove("w001/t00").expect("the task is recorded")
+            bench.ok(&["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001", "--out", &out]);
+            bench.records(&out)
         };
-        let (wasm, native) = (record(PluginKind::Wasm), record(PluginKind::Native));
-        assert_eq!(wasm["outcome"], "success", "{name}: {wasm}");
-        assert_eq!(wasm["state_hash"], native["state_hash"], "{name}");
+        let (wasm, native) = (records(PluginKind::Wasm), records(PluginKind::Native));
+        // A world of low elevation: in held-out ones they complete nine tasks in ten.
+        let completed = wasm.values().filter(|record| record["outcome"] == "success").count();
+        assert!(wasm.len() == 10 && completed >= 8, "{name}: {completed} of {}", wasm.len());
+        for (task, record) in &wasm {
+            assert_eq!(record["state_hash"], native[task]["state_hash"], "{name}: {task}");
+        }
     }
 }
 
