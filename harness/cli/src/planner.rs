@@ -1,4 +1,4 @@
-//! What the user means by `--plugin`: a file of a planner or of recorded commands, or a command.
+//! The planner of a command line: a plugin file, a recording, or a command.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

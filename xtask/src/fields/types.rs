@@ -219,7 +219,7 @@ impl<'a> Types<'a> {
         Ok(())
     }
 
-    /// What a field is: its comment, or that of its type.
+    /// The description of a field: its comment, or that of its type.
     fn meaning(&self, name: &str, field: &syn::Field) -> Result<String, Failure> {
         let own = comment(&field.attrs);
         if !own.is_empty() {
@@ -346,7 +346,7 @@ impl<'a> Types<'a> {
                     ("Option" | "Arc" | "Box", [inner]) => inner.clone(),
                     ("Vec" | "BTreeSet", [inner]) => format!("list of {inner}"),
                     ("BTreeMap", [_, inner]) => format!("map from names to {inner}"),
-                    // A type that stands for either of several is told by its comment.
+                    // An untagged enum has no section; its comment describes it.
                     _ if self.enums.get(&name).is_some_and(|e| serde(&e.attrs, "untagged").is_some()) => {
                         let text = comment(&self.enums[&name].attrs);
                         let mut letters = text.trim_end_matches('.').chars();

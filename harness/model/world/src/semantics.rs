@@ -84,7 +84,7 @@ impl TerrainClass {
     }
 }
 
-/// How firm the ground of a deformable class is: the paper has three levels a class.
+/// The strength level of a deformable terrain class; the paper has three per class.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
 )]

@@ -211,7 +211,8 @@ fn commands(trace: &Trace, period: f64) -> Option<Vec<AppliedCommand>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder};
+    use crate::trace::tests::meta;
+    use crate::{TraceMode, TraceRecorder};
 
     /// A trajectory of `end` samples under commands that change every `every` samples.
     fn trace(mode: TraceMode, every: u64, end: u64) -> Trace {
@@ -227,20 +228,7 @@ mod tests {
             };
             recorder.push(&sample, &[]);
         }
-        let meta = TraceMeta {
-            schema: TRACE_SCHEMA,
-            task: "w001/t03".parse().unwrap(),
-            start: [0.0; 3],
-            goal: [1.0, 0.0],
-            goal_z: 0.0,
-            half_extent: [64.0, 64.0],
-            scale: 1.0,
-            max_speed: 30.0,
-            time_step: 0.001,
-            sample_period: 0.01,
-            mode,
-        };
-        recorder.finish(meta).unwrap()
+        recorder.finish(meta(mode)).unwrap()
     }
 
     #[test]

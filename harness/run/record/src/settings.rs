@@ -25,8 +25,8 @@ pub fn is_time_step(step: f64, sample_period: f64) -> bool {
         && ((sample_period / step).round() * step - sample_period).abs() < TOLERANCE
 }
 
-/// The maximum speeds that a vehicle may have, m/s.
-const SPEEDS: RangeInclusive<f64> = 1e-6..=1e3;
+/// The maximum speeds that a vehicle may have, m/s: all that a vehicle file may have.
+const SPEEDS: RangeInclusive<f64> = f64::MIN_POSITIVE..=f64::MAX;
 
 /// The coordinates that a place in a world may have, m, and the other numbers of a sample.
 pub(crate) const PLACES: RangeInclusive<f64> = -1e9..=1e9;

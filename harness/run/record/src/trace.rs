@@ -240,7 +240,7 @@ impl Trace {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     pub(crate) fn meta(mode: TraceMode) -> TraceMeta {

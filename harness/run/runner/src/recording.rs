@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use serde_json::Value;
 use vb_host::{
     External, ExternalLog, ExternalSession, FaultCause, Limits, LoadError, Metadata, Plugin, PluginKind,
 };
@@ -70,8 +71,9 @@ const SETTINGS: [&str; 9] = [
 /// # Errors
 /// Returns [`RunError::Recorded`] with the first setting that differs.
 pub(crate) fn check(plugin: &Plugin, header: &RunHeader) -> Result<(), RunError> {
+    let settings = settings(header);
     for (field, recorded) in plugin.requires() {
-        let found = setting(header, field);
+        let found = setting(&settings, field);
         if found != recorded {
             return Err(RunError::Recorded { field, recorded, found });
         }
@@ -79,10 +81,14 @@ pub(crate) fn check(plugin: &Plugin, header: &RunHeader) -> Result<(), RunError>
     Ok(())
 }
 
-/// A field of run.json as JSON; its parts are separated by points.
-fn setting(header: &RunHeader, field: &str) -> String {
-    let header = serde_json::to_value(header).unwrap_or_default();
-    header.pointer(&format!("/{}", field.replace('.', "/"))).unwrap_or_default().to_string()
+/// run.json as JSON.
+fn settings(header: &RunHeader) -> Value {
+    serde_json::to_value(header).unwrap_or_default()
+}
+
+/// A field of run.json; its parts are separated by points.
+fn setting(settings: &Value, field: &str) -> String {
+    settings.pointer(&format!("/{}", field.replace('.', "/"))).unwrap_or_default().to_string()
 }
 
 /// A recording as an external planner.
@@ -103,7 +109,8 @@ impl External for Recorded {
     }
 
     fn requires(&self) -> Vec<(&'static str, String)> {
-        SETTINGS.iter().map(|field| (*field, setting(&self.0.header, field))).collect()
+        let settings = settings(&self.0.header);
+        SETTINGS.iter().map(|field| (*field, setting(&settings, field))).collect()
     }
 }
 

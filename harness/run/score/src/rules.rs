@@ -6,8 +6,8 @@ use vb_record::RunHeader;
 
 /// The speed of the vehicles that the time limit is for, m/s at scale 1: tasks are 120 m long, and the paper's planners take 23 to
 /// 28 s (table I of the paper).
-pub const PACE: f64 = 5.0;
-/// By how much the time limit of a slower vehicle is longer at most.
+const PACE: f64 = 5.0;
+/// The maximum factor on the time limit of a slower vehicle.
 const SLOWEST: f64 = 10.0;
 
 /// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied; times

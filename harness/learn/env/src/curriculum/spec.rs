@@ -86,7 +86,7 @@ pub struct File {
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
-    /// How the next task is chosen. The other fields belong to one kind each and are required there.
+    /// The rule that chooses the next task. Each other field belongs to one kind and is required there.
     kind: Kind,
     /// `manual`: the tasks of each stage, in order.
     stages: Option<Vec<Stage>>,

@@ -71,7 +71,7 @@ pub struct Materials {
 #[serde(deny_unknown_fields)]
 pub struct Material {
     pub name: String,
-    /// The class that planners are told, a rigid one.
+    /// The terrain class that planners receive, a rigid one.
     pub class: TerrainClass,
     /// The mean of a patch's Coulomb friction.
     pub mean: f64,

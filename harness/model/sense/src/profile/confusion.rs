@@ -8,7 +8,7 @@ pub(crate) const OBSTACLE: u8 = 10;
 /// The label of what is unknown.
 pub(crate) const UNKNOWN: u8 = 255;
 
-/// What a pixel or a square may be recognised as.
+/// The class that a pixel or a map cell is recognised as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]

@@ -58,7 +58,7 @@ pub struct Prior {
     pub occupancy: Option<PriorOccupancy>,
 }
 
-/// How well the heights are known beforehand.
+/// The accuracy of the elevation map that planners receive at the start.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorElevation {
@@ -76,7 +76,7 @@ pub enum PriorElevation {
     },
 }
 
-/// How well the kinds of ground are known beforehand.
+/// The accuracy of the map of terrain classes that planners receive at the start.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorSemantics {
@@ -90,7 +90,7 @@ pub enum PriorSemantics {
     },
 }
 
-/// How well the obstacles are known beforehand.
+/// The accuracy of the obstacle map that planners receive at the start.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriorOccupancy {
@@ -144,7 +144,7 @@ pub struct Spells {
     pub mean_duration_s: f64,
 }
 
-/// What the wheels' sensors measure.
+/// The measurements of the wheel encoders and the suspension travel sensors.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WheelModel {

@@ -15,7 +15,7 @@ pub(crate) struct Servo {
 /// The gear of a steered axle with its limit.
 #[derive(Clone, Debug, PartialEq)]
 struct Gear {
-    /// What follows from the axle's own position over the command.
+    /// The gear, which gives its position over the command.
     gear: SteeringGear,
     /// The maximum generalised force on the gear's position, N m: limit times largest travel or angle.
     effort: f64,
