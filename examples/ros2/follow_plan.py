@@ -17,6 +17,11 @@ LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability
 TASKS_APART = 10_000
 
 
+def seconds(time):
+    """A time as two numbers that are compared one after the other."""
+    return time.sec, time.nanosec
+
+
 class FollowPlan(Node):
     """Pure pursuit in lockstep: a command is sent when odometry and clock have the same, new time."""
 
@@ -25,7 +30,7 @@ class FollowPlan(Node):
         self.speed = self.declare_parameter("speed", 3.0).value
         self.look_ahead = self.declare_parameter("look_ahead", 8.0).value
         self.path = []
-        self.start = 0
+        self.start = None
         self.nearest = 0
         self.odometry = None
         self.now = None
@@ -37,10 +42,12 @@ class FollowPlan(Node):
 
     def on_plan(self, message):
         """A new task."""
-        self.start = message.header.stamp.sec
+        self.start = message.header.stamp
         self.path = [(p.pose.position.x, p.pose.position.y) for p in message.poses]
         self.nearest = 0
         self.answered = None
+        if self.now != self.start:
+            self.now = None
 
     def on_odometry(self, message):
         """The pose of a tick."""
@@ -57,9 +64,12 @@ class FollowPlan(Node):
         if not self.path or self.odometry is None or self.now is None:
             return
         # The path is that of the last task until the next one comes.
-        if not 0 <= self.now.sec - self.start < TASKS_APART:
+        if not 0 <= self.now.sec - self.start.sec < TASKS_APART:
             return
         if self.odometry.header.stamp != self.now or self.now == self.answered:
+            return
+        # The clock has gone back: another run begins, and its path is still to come.
+        if self.answered is not None and seconds(self.now) < seconds(self.answered):
             return
         command = TwistStamped()
         command.header.stamp = self.now

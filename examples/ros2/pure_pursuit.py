@@ -160,11 +160,11 @@ class Pursuit:
     def __init__(self, path):
         self.points = [(p.pose.position.x, p.pose.position.y) for p in path.poses]
         self.nearest = 0
-        self.start = path.header.stamp.sec
+        self.start = path.header.stamp
 
     def is_for(self, now):
         """Whether the path is that of the task to which a time belongs."""
-        return 0 <= now.sec - self.start < TASKS_APART
+        return 0 <= now.sec - self.start.sec < TASKS_APART
 
     def distance(self, k, x, y):
         dx, dy = self.points[k][0] - x, self.points[k][1] - y
@@ -212,6 +212,8 @@ def main():
         # A sample without data reports that its writer has left.
         for message in (m for m in plan.take(10) if isinstance(m, Path)):
             pursuit, answered = Pursuit(message), None
+            if now != pursuit.start:
+                now = None
         for message in (m for m in odom.take(100) if isinstance(m, Odometry)):
             odometry = message
         for message in (m for m in clock.take(100) if isinstance(m, Clock)):
@@ -222,6 +224,9 @@ def main():
             continue
         # The topics of a tick arrive in any order, and so does the path of the next task.
         if pursuit is None or not pursuit.is_for(now):
+            continue
+        # The clock has gone back: another run begins, and its path is still to come.
+        if answered is not None and (now.sec, now.nanosec) < (answered.sec, answered.nanosec):
             continue
         answered = now
         if args.step and called > 0:
