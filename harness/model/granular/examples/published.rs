@@ -1,0 +1,49 @@
+//! The figures of docs/granular.md.
+#![expect(clippy::print_stdout, reason = "a program that prints a table")]
+
+use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
+use vb_granular::{Bin, Material, Packing, PackingError, Settings};
+
+fn main() -> Result<(), PackingError> {
+    for name in ["gravel", "sand"] {
+        let material = Material::resolve(name).expect("a material that comes with the crate");
+        let r = material.mean_radius();
+        let deep = Bin { length: 36.0 * r, width: 36.0 * r, depth: 16.0 * r };
+        let packing = Packing::poured(&material, deep, 1)?;
+        println!("{name}: {} grains fill {:.3}", packing.grains.len(), packing.fraction_below(12.0 * r));
+        let mut angles = [0.0; 3];
+        for (seed, angle) in (1..).zip(&mut angles) {
+            *angle = angle_of_repose(&material, seed)?.to_degrees();
+        }
+        println!("  angle of repose {:.1}°, three heaps {angles:.1?}", angles.iter().sum::<f64>() / 3.0);
+        let pressures = plate(&packing, &material, 8.0 * r, 0.2, 3.0 * r);
+        let (k, n, r2) = bekker(&pressures[1..]);
+        println!("  plate {:.2} m wide: k {k:.3e} Pa/m^n, n {n:.2}, R² {r2:.3}", 8.0 * r);
+
+        let wheel = Wheel { radius: 0.47, width: 0.26, load: 6000.0, friction: 0.8, speed: 0.5 };
+        let settings = Settings { reach: 0.4, ..Settings::default() };
+        let bin = Bin { length: 2.6, width: 0.9, depth: 10.0 * r };
+        let packing = Packing::poured(&material, bin, 1)?;
+        for slip in [-0.05, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6] {
+            let t = wheel.drive(&packing, &material, slip, settings);
+            println!(
+                "  slip {slip:5.2}: pull {:.3}, gross {:.3}, sinkage {:.3} m",
+                t.pull, t.gross, t.sinkage
+            );
+        }
+        let finer = Material { radius: material.radius.map(|r| 0.75 * r), ..material.clone() };
+        for (what, material, settings) in [
+            ("half the step", &material, Settings { step: 0.5 * settings.step, ..settings }),
+            ("twice the stiffness", &material, Settings { stiffness: 2.0 * settings.stiffness, ..settings }),
+            ("grains of 3/4 the size", &finer, settings),
+        ] {
+            let packing = Packing::poured(material, bin, 1)?;
+            let t = wheel.drive(&packing, material, 0.2, settings);
+            println!(
+                "  slip 0.20, {what}: pull {:.3}, gross {:.3}, sinkage {:.3} m",
+                t.pull, t.gross, t.sinkage
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,243 @@
+//! Which grains may touch what until the list is made anew.
+
+use crate::V3;
+use crate::bed::Grains;
+use crate::contact::Memory;
+use crate::tool::{Motion, Shape, Tool};
+use crate::walls::Walls;
+
+/// What a grain may touch besides grains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Other {
+    Wall(u8),
+    Tool(u8),
+}
+
+/// A grain that is near something.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near<T> {
+    pub(crate) grain: u32,
+    pub(crate) other: T,
+    pub(crate) memory: Memory,
+}
+
+/// All grains near each other, and near walls and tools, in the order of grains and of what they are near.
+#[derive(Clone, Debug)]
+pub(crate) struct Neighbours {
+    /// Pairs of grains of which at least one moves.
+    pub(crate) grains: Vec<Near<u32>>,
+    /// Walls and tools near grains that move.
+    pub(crate) others: Vec<Near<Other>>,
+    /// Pairs of grains at rest, and walls near grains at rest.
+    asleep: (Vec<Near<u32>>, Vec<Near<Other>>),
+    /// Which grains move, by their numbers and one by one.
+    pub(crate) moving: Vec<u32>,
+    moves: Vec<bool>,
+    /// Where grains and tools were when the list was made.
+    places: Vec<V3>,
+    tools: Vec<Motion>,
+    /// How far beyond a contact neighbours are, m.
+    skin: f64,
+    /// Maximum diameter of a grain, m.
+    diameter: f64,
+    /// Distance from the tools beyond which grains at rest don't move, m.
+    reach: f64,
+}
+
+/// Speed below which a grain far from the tools comes to rest, m/s.
+const REST: f64 = 0.02;
+
+impl Neighbours {
+    pub(crate) fn new(skin: f64, diameter: f64, reach: f64) -> Self {
+        Self {
+            grains: Vec::new(),
+            others: Vec::new(),
+            asleep: (Vec::new(), Vec::new()),
+            moving: Vec::new(),
+            moves: Vec::new(),
+            places: Vec::new(),
+            tools: Vec::new(),
+            skin,
+            diameter,
+            reach,
+        }
+    }
+
+    /// Makes the lists anew if something has moved by half of the skin since.
+    pub(crate) fn update(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion], walls: &Walls) {
+        let half = 0.25 * self.skin * self.skin;
+        let is_near =
+            |&i: &u32| (grains.position[i as usize] - self.places[i as usize]).norm_squared() < half;
+        let holds = self.places.len() == grains.position.len()
+            && self.tools.len() == motions.len()
+            && motions
+                .iter()
+                .zip(&self.tools)
+                .zip(tools)
+                .all(|((now, before), tool)| now.moved_since(before, tool) < 0.5 * self.skin)
+            && self.moving.iter().all(is_near);
+        if !holds {
+            self.places.clone_from(&grains.position);
+            self.tools = motions.to_vec();
+            self.wake(grains, tools, motions);
+            self.look(grains, tools, motions, walls);
+        }
+    }
+
+    /// Finds out which grains move; the others are stopped.
+    fn wake(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion]) {
+        let near = |x: &V3| {
+            let within = |(tool, motion): (&Tool, &Motion)| {
+                let bound = tool.shape.bound() + self.reach;
+                (x - motion.position).norm_squared() < bound * bound
+            };
+            self.reach.is_infinite() || tools.iter().zip(motions).any(within)
+        };
+        let moves = |i: usize| near(&grains.position[i]) || grains.velocity[i].norm_squared() > REST * REST;
+        self.moves = (0..grains.position.len()).map(moves).collect();
+        self.moving.clear();
+        for (i, moves) in self.moves.iter().enumerate() {
+            if *moves {
+                self.moving.push(i as u32);
+            } else {
+                (grains.velocity[i], grains.spin[i]) = (V3::zeros(), V3::zeros());
+            }
+        }
+    }
+
+    fn look(&mut self, grains: &Grains, tools: &[Tool], motions: &[Motion], walls: &Walls) {
+        let moves = &self.moves;
+        let cells = Cells::new(&grains.position, self.diameter + self.skin);
+        let before = merged(std::mem::take(&mut self.grains), std::mem::take(&mut self.asleep.0));
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for &i in &self.moving {
+            let x = grains.position[i as usize];
+            let reach = grains.radius[i as usize] + self.skin;
+            cells.around(&x, |j| {
+                let within = reach + grains.radius[j as usize];
+                let is_new = j > i || (j < i && !moves[j as usize]);
+                if is_new && (grains.position[j as usize] - x).norm_squared() < within * within {
+                    pairs.push((i.min(j), i.max(j)));
+                }
+            });
+        }
+        pairs.sort_unstable();
+        self.grains = remembered(pairs.into_iter(), &before);
+        let rests = |near: &Near<u32>| !moves[near.grain as usize] && !moves[near.other as usize];
+        self.asleep.0 = before.into_iter().filter(rests).collect();
+
+        let before = merged(std::mem::take(&mut self.others), std::mem::take(&mut self.asleep.1));
+        let near = self.moving.iter().flat_map(|&i| {
+            let x = grains.position[i as usize];
+            let reach = grains.radius[i as usize] + self.skin;
+            let near_wall = move |wall: &u8| walls.distance(*wall, &x).0 < reach;
+            let near_walls = (0..walls.count).filter(near_wall).map(Other::Wall);
+            let is_near = move |k: &usize| {
+                let (tool, motion) = (&tools[*k], &motions[*k]);
+                let way = x - motion.position;
+                let bound = tool.shape.bound() + reach;
+                way.norm_squared() < bound * bound
+                    && tool.shape.distance(&(motion.rotation.inverse() * way)).0 < reach
+            };
+            let tools = (0..tools.len().min(motions.len())).filter(is_near).map(|k| Other::Tool(k as u8));
+            near_walls.chain(tools).map(move |other| (i, other))
+        });
+        self.others = remembered(near, &before);
+        self.asleep.1 = before.into_iter().filter(|near| !moves[near.grain as usize]).collect();
+    }
+}
+
+/// Two lists as one, in the order of both.
+fn merged<T: Copy + Ord>(mut a: Vec<Near<T>>, b: Vec<Near<T>>) -> Vec<Near<T>> {
+    a.extend(b);
+    a.retain(|near| near.memory != Memory::default());
+    a.sort_unstable_by_key(|near| (near.grain, near.other));
+    a
+}
+
+/// A list of contacts that remember what they did in another; both are in order.
+fn remembered<T: Copy + Ord>(keys: impl Iterator<Item = (u32, T)>, before: &[Near<T>]) -> Vec<Near<T>> {
+    let mut old = before.iter().peekable();
+    keys.map(|(grain, other)| {
+        while old.next_if(|near| (near.grain, near.other) < (grain, other)).is_some() {}
+        let same = old.next_if(|near| (near.grain, near.other) == (grain, other));
+        Near { grain, other, memory: same.map_or_else(Memory::default, |near| near.memory) }
+    })
+    .collect()
+}
+
+impl Motion {
+    /// How far some point of a tool has come since another of its motions, m. A wheel turns within itself.
+    fn moved_since(&self, before: &Self, tool: &Tool) -> f64 {
+        let turned = match &tool.shape {
+            Shape::Wheel { radius, width, .. } => {
+                let axes = [self, before].map(|motion| motion.rotation * V3::y());
+                (axes[0] - axes[1]).norm() * (radius + width)
+            }
+            shape => self.rotation.rotation_to(&before.rotation).imag().norm() * 2.0 * shape.bound(),
+        };
+        (self.position - before.position).norm() + turned
+    }
+}
+
+/// Grains by cells of a grid.
+struct Cells {
+    low: V3,
+    side: f64,
+    counts: [usize; 3],
+    /// Where the grains of each cell begin in `grains`.
+    starts: Vec<u32>,
+    grains: Vec<u32>,
+}
+
+impl Cells {
+    fn new(positions: &[V3], side: f64) -> Self {
+        let low = positions.iter().fold(V3::repeat(f64::INFINITY), |low, x| low.inf(x));
+        let high = positions.iter().fold(V3::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
+        // A grain that is thrown far away must not make the grid large.
+        const MOST: f64 = 512.0;
+        let counts = [0, 1, 2].map(|k| (((high[k] - low[k]) / side).clamp(0.0, MOST) as usize) + 1);
+        let mut cells = Self {
+            low,
+            side,
+            counts,
+            starts: vec![0; counts.iter().product::<usize>() + 1],
+            grains: vec![0; positions.len()],
+        };
+        let of: Vec<usize> = positions.iter().map(|x| cells.index(cells.cell(x))).collect();
+        for &cell in &of {
+            cells.starts[cell + 1] += 1;
+        }
+        for cell in 1..cells.starts.len() {
+            cells.starts[cell] += cells.starts[cell - 1];
+        }
+        let mut next = cells.starts.clone();
+        for (grain, &cell) in of.iter().enumerate() {
+            cells.grains[next[cell] as usize] = grain as u32;
+            next[cell] += 1;
+        }
+        cells
+    }
+
+    fn cell(&self, x: &V3) -> [usize; 3] {
+        [0, 1, 2].map(|k| (((x[k] - self.low[k]) / self.side).max(0.0) as usize).min(self.counts[k] - 1))
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.counts[1] + y) * self.counts[0] + x
+    }
+
+    /// Shows all grains in the cell of a point and the cells around it.
+    fn around(&self, x: &V3, mut show: impl FnMut(u32)) {
+        let [cx, cy, cz] = self.cell(x);
+        let span = |c: usize, k: usize| c.saturating_sub(1)..(c + 2).min(self.counts[k]);
+        for z in span(cz, 2) {
+            for y in span(cy, 1) {
+                let xs = span(cx, 0);
+                let (first, last) = (self.index([xs.start, y, z]), self.index([xs.end - 1, y, z]));
+                let (from, to) = (self.starts[first] as usize, self.starts[last + 1] as usize);
+                self.grains[from..to].iter().for_each(|&grain| show(grain));
+            }
+        }
+    }
+}

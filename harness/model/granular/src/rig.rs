@@ -1,0 +1,162 @@
+//! Stands: a heap, a plate and a single wheel.
+
+use crate::{Bed, Bin, GRAVITY, Material, Motion, Packing, PackingError, Quat, Settings, Shape, Tool, V3};
+
+/// Speed of the wall that lets a heap slide, √(m) s⁻¹ times the root of the mean radius: slow beside a grain's fall by its radius.
+const RETREAT: f64 = 2.0;
+
+/// Slope of the heap that is left behind a wall that moves away slowly, rad: a straight line through the surface between 30 and 80 %
+/// of the height. The bin is 32 mean radii long, 20 wide and 20 deep.
+///
+/// # Errors
+/// Returns an error if the bin is too large for the grains, which it is not for valid materials.
+pub fn angle_of_repose(material: &Material, seed: u64) -> Result<f64, PackingError> {
+    let r = material.mean_radius();
+    let bin = Bin { length: 32.0 * r, width: 20.0 * r, depth: 20.0 * r };
+    let packing = Packing::poured(material, bin, seed)?;
+    let settings = Settings::default();
+    let mut bed = Bed::new(&packing, material, Vec::new(), settings);
+    let pace = RETREAT * r.sqrt() * settings.step;
+    let way = 2.0 * bin.depth;
+    for _ in 0..(way / pace) as usize {
+        bed.open(pace);
+        bed.step(&[]);
+    }
+    // The highest grains of the strips of each column, and their mean.
+    let strip = 2.5 * r;
+    let columns = ((bin.length + way) / strip) as usize;
+    let mut tops = vec![[0.0_f64; 8]; columns + 1];
+    for grain in bed.grains() {
+        let k = ((grain.position.x + 0.5 * bin.length) / strip).max(0.0) as usize;
+        let across = ((grain.position.y + 0.5 * bin.width) / strip).clamp(0.0, 7.0) as usize;
+        let top = &mut tops[k.min(columns)][across];
+        *top = top.max(grain.position.z + grain.radius);
+    }
+    let heights: Vec<f64> = tops.iter().map(|column| column.iter().sum::<f64>() / 8.0).collect();
+    let on_slope = |&(_, &z): &(usize, &f64)| z < 0.8 * heights[0] && z > 0.3 * heights[0];
+    let slope: Vec<[f64; 2]> =
+        heights.iter().enumerate().filter(on_slope).map(|(k, &z)| [k as f64 * strip, z]).collect();
+    Ok(vb_math::atan2(-line(&slope)[1], 1.0))
+}
+
+/// The straight line of least squares through points: its value at 0 and its slope.
+#[must_use]
+pub fn line(points: &[[f64; 2]]) -> [f64; 2] {
+    let n = points.len() as f64;
+    let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n;
+    let (x, y) = (mean(0), mean(1));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for p in points {
+        xx += (p[0] - x) * (p[0] - x);
+        xy += (p[0] - x) * (p[1] - y);
+    }
+    [y - xy / xx * x, xy / xx]
+}
+
+/// Pressure under a square plate that is pressed into a bed at a constant speed.
+///
+/// `side`: of the plate, m. `speed`: m/s. Returns sinkage, m, and mean pressure, Pa, of each centimetre down to `depth`, m.
+#[must_use]
+pub fn plate(packing: &Packing, material: &Material, side: f64, speed: f64, depth: f64) -> Vec<[f64; 2]> {
+    let thickness = 0.1 * side;
+    let shape = Shape::Box { half: V3::new(0.5 * side, 0.5 * side, 0.5 * thickness) };
+    let plate = Tool { shape, friction: material.friction, stiffness: f64::INFINITY };
+    let settings = Settings::default();
+    let mut bed = Bed::new(packing, material, vec![plate], settings);
+    let top = packing.bin.depth + 0.5 * thickness;
+    let mut sinkage = 0.0;
+    let steps = (0.01 / (speed * settings.step)).round().max(1.0) as usize;
+    let centimetres = (depth / 0.01).round() as usize;
+    (0..centimetres)
+        .map(|_| {
+            let (from, mut impulse) = (sinkage, 0.0);
+            for _ in 0..steps {
+                let motion = Motion {
+                    position: V3::new(0.0, 0.0, top - sinkage),
+                    rotation: Quat::identity(),
+                    velocity: V3::new(0.0, 0.0, -speed),
+                    spin: V3::zeros(),
+                };
+                impulse += bed.step(&[motion])[0].impulse.z;
+                sinkage += speed * settings.step;
+            }
+            let force = impulse / (steps as f64 * settings.step);
+            [0.5 * (from + sinkage), force / (side * side)]
+        })
+        .collect()
+}
+
+/// Modulus k, Pa/mⁿ, and exponent n of p = k zⁿ through points of sinkage, m, and pressure, Pa, and the share R² of the variance of ln p
+/// that it explains.
+#[must_use]
+pub fn bekker(points: &[[f64; 2]]) -> (f64, f64, f64) {
+    let logs: Vec<[f64; 2]> = points.iter().map(|[z, p]| [vb_math::ln(*z), vb_math::ln(*p)]).collect();
+    let [k, n] = line(&logs);
+    let mean = logs.iter().map(|p| p[1]).sum::<f64>() / logs.len() as f64;
+    let square = |x: f64| x * x;
+    let left: f64 = logs.iter().map(|p| square(p[1] - k - n * p[0])).sum();
+    let all: f64 = logs.iter().map(|p| square(p[1] - mean)).sum();
+    (vb_math::exp(k), n, 1.0 - left / all)
+}
+
+/// A rigid wheel on a bed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wheel {
+    /// m.
+    pub radius: f64,
+    /// m.
+    pub width: f64,
+    /// Weight on the wheel, its own included, N.
+    pub load: f64,
+    /// Friction coefficient of its surface on the grains.
+    pub friction: f64,
+    /// Speed of its centre, m/s.
+    pub speed: f64,
+}
+
+/// What a wheel does at a slip, as means over the second half of its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Traction {
+    /// Drawbar pull over load.
+    pub pull: f64,
+    /// Moment about the axle over load and radius: gross traction.
+    pub gross: f64,
+    /// Depth of the lowest point of the wheel below the bed, m.
+    pub sinkage: f64,
+}
+
+impl Wheel {
+    /// Drives the wheel along the bin at a constant speed and slip (1 − v/(ω r)); it is free to sink. It starts a radius from the
+    /// first wall and ends a radius from the last.
+    #[must_use]
+    pub fn drive(&self, packing: &Packing, material: &Material, slip: f64, settings: Settings) -> Traction {
+        let shape = Shape::Wheel { radius: self.radius, width: self.width, shoulder: 0.1 * self.width };
+        let tool = Tool { shape, friction: self.friction, stiffness: f64::INFINITY };
+        let mut bed = Bed::new(packing, material, vec![tool], settings);
+        let (dt, mass) = (settings.step, self.load / GRAVITY);
+        let spin = self.speed / (self.radius * (1.0 - slip));
+        let end = 0.5 * packing.bin.length - self.radius;
+        let steps = (2.0 * end / (self.speed * dt)) as usize;
+        let (mut z, mut velocity) = (packing.bin.depth + self.radius, 0.0);
+        let (mut means, mut count) = (Traction { pull: 0.0, gross: 0.0, sinkage: 0.0 }, 0.0);
+        for step in 0..steps {
+            let time = step as f64 * dt;
+            let motion = Motion {
+                position: V3::new(self.speed * time - end, 0.0, z),
+                rotation: Quat::from_axis_angle(&V3::y_axis(), spin * time),
+                velocity: V3::new(self.speed, 0.0, velocity),
+                spin: V3::new(0.0, spin, 0.0),
+            };
+            let reaction = bed.step(&[motion])[0];
+            velocity += reaction.impulse.z / mass - GRAVITY * dt;
+            z += velocity * dt;
+            if 2 * step >= steps {
+                means.pull += reaction.impulse.x / (dt * self.load);
+                means.gross -= reaction.moment.y / (dt * self.load * self.radius);
+                means.sinkage += packing.bin.depth + self.radius - z;
+                count += 1.0;
+            }
+        }
+        Traction { pull: means.pull / count, gross: means.gross / count, sinkage: means.sinkage / count }
+    }
+}

@@ -1,0 +1,140 @@
+//! Momentum, energy and weight of a bed, and that it is a function of its inputs.
+
+use vb_granular::{Bed, Bin, GRAVITY, Material, Motion, Packing, Settings, Shape, Tool};
+
+type V3 = nalgebra::Vector3<f64>;
+type Quat = nalgebra::UnitQuaternion<f64>;
+
+const BIN: Bin = Bin { length: 0.6, width: 0.6, depth: 0.3 };
+
+fn material(name: &str) -> Material {
+    Material::resolve(name).expect("a material that comes with the crate")
+}
+
+fn sand() -> Material {
+    Material { cohesion: 500.0, ..material("sand") }
+}
+
+fn wheel() -> Tool {
+    let shape = Shape::Wheel { radius: 0.15, width: 0.12, shoulder: 0.03 };
+    Tool { shape, friction: 0.7, stiffness: 2e5 }
+}
+
+/// A wheel that turns in its place.
+fn turning(z: f64) -> Motion {
+    Motion {
+        position: V3::new(0.05, -0.03, z),
+        rotation: Quat::from_axis_angle(&V3::x_axis(), 0.2),
+        velocity: V3::zeros(),
+        spin: V3::new(0.5, 4.0, -1.0),
+    }
+}
+
+#[test]
+fn impulses_on_grains_and_tool_are_equal_and_opposite() {
+    let packing = Packing::poured(&sand(), BIN, 3).unwrap();
+    let mut bed = Bed::new(&packing, &sand(), vec![wheel()], Settings::default());
+    // No walls either.
+    bed.without_gravity();
+    bed.without_bin();
+    let motion = turning(0.38);
+    let (mut impulse, mut moment) = (V3::zeros(), V3::zeros());
+    for _ in 0..200 {
+        let reaction = bed.step(&[motion])[0];
+        impulse += reaction.impulse;
+        moment += reaction.moment + motion.position.cross(&reaction.impulse);
+    }
+    let [grains, about_origin] = bed.momentum();
+    assert!(impulse.norm() > 10.0, "the wheel touches grains: {impulse}");
+    assert!((grains + impulse).norm() < 1e-9 * impulse.norm(), "{grains} {impulse}");
+    assert!((about_origin + moment).norm() < 1e-9 * moment.norm(), "{about_origin} {moment}");
+}
+
+#[test]
+fn a_heap_that_collapses_never_gains_energy_and_ends_at_rest() {
+    let gravel = material("gravel");
+    let packing = Packing::poured(&gravel, BIN, 1).unwrap();
+    let mut bed = Bed::new(&packing, &gravel, Vec::new(), Settings::default());
+    bed.open(f64::INFINITY);
+    let energy = |bed: &Bed| bed.kinetic_energy() + bed.potential_energy() + bed.elastic_energy();
+    bed.step(&[]);
+    let first = energy(&bed);
+    let mut least = first;
+    for step in 0..1500 {
+        bed.step(&[]);
+        let now = energy(&bed);
+        // The integration's own error: symplectic Euler oscillates about the exact energy by a fraction of it.
+        assert!(now < least + 1e-4 * first, "step {step}: {now} after {least} J");
+        least = least.min(now);
+    }
+    assert!(least < 0.98 * first, "{first} {least}");
+    assert!(bed.kinetic_energy() < 1e-5 * first, "{}", bed.kinetic_energy());
+}
+
+#[test]
+fn the_floor_bears_the_weight_of_grains_at_rest() {
+    // The walls are smooth, so they bear nothing.
+    let gravel = material("gravel");
+    let packing = Packing::poured(&gravel, BIN, 1).unwrap();
+    let mut bed = Bed::new(&packing, &gravel, Vec::new(), Settings::default());
+    let mut load = 0.0;
+    for _ in 0..300 {
+        bed.step(&[]);
+        load += bed.floor_load() / 300.0;
+    }
+    let weight = bed.mass() * GRAVITY;
+    assert!((load / weight - 1.0).abs() < 0.01, "{load} of {weight} N");
+}
+
+#[test]
+fn equal_inputs_give_equal_bits_and_a_clone_goes_on_as_its_original() {
+    let run = || {
+        let packing = Packing::poured(&sand(), BIN, 3).unwrap();
+        let settings = Settings { reach: 0.2, ..Settings::default() };
+        let mut bed = Bed::new(&packing, &sand(), vec![wheel()], settings);
+        let mut end = Vec::new();
+        for _ in 0..100 {
+            end = bed.step(&[turning(0.42)]).to_vec();
+        }
+        (bed, end)
+    };
+    let bits = |bed: &Bed| -> Vec<u64> {
+        bed.grains().flat_map(|g| [g.position.x, g.position.y, g.position.z]).map(f64::to_bits).collect()
+    };
+    let ((mut first, reaction), (second, again)) = (run(), run());
+    assert_eq!(reaction, again);
+    assert_eq!(bits(&first), bits(&second));
+    let mut clone = first.clone();
+    for bed in [&mut first, &mut clone] {
+        for _ in 0..50 {
+            bed.step(&[turning(0.38)]);
+        }
+    }
+    assert_eq!(bits(&first), bits(&clone));
+}
+
+#[test]
+fn grains_far_from_the_tools_lie_still_without_a_difference_to_the_tools() {
+    let gravel = material("gravel");
+    let bin = Bin { length: 2.4, width: 0.5, depth: 0.3 };
+    let packing = Packing::poured(&gravel, bin, 1).unwrap();
+    let drive = |reach: f64| {
+        let mut bed = Bed::new(&packing, &gravel, vec![wheel()], Settings { reach, ..Settings::default() });
+        let mut impulse = 0.0;
+        for step in 0..600 {
+            let x = 0.5e-3 * f64::from(step);
+            let motion = Motion {
+                position: V3::new(x, 0.0, 0.41),
+                rotation: Quat::identity(),
+                velocity: V3::new(0.5, 0.0, 0.0),
+                spin: V3::new(0.0, 3.0, 0.0),
+            };
+            impulse += bed.step(&[motion])[0].impulse.z;
+        }
+        (impulse, bed.moving())
+    };
+    let ((all, moving), (near, few)) = (drive(f64::INFINITY), drive(0.4));
+    assert_eq!(moving, packing.grains.len());
+    assert!(2 * few < moving, "{few} of {moving} move");
+    assert!((near / all - 1.0).abs() < 0.03, "{near} {all}");
+}
