@@ -7,7 +7,7 @@ use crate::tool::{Motion, Reaction, Tool};
 use crate::walls::Walls;
 use crate::{GRAVITY, Material, V3};
 
-/// How a bed is stepped.
+/// Time step and contact parameters of a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// The time over which tools move with constant velocities, s.
@@ -32,7 +32,7 @@ const SUBSTEPS: f64 = 15.0;
 const SKIN: f64 = 0.3;
 
 /// State of the grains.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Grains {
     pub(crate) position: Vec<V3>,
     pub(crate) velocity: Vec<V3>,
@@ -281,17 +281,6 @@ impl Bed {
     #[must_use]
     pub fn floor_load(&self) -> f64 {
         self.floor_load
-    }
-
-    /// Maximum overlap of two grains, m.
-    #[must_use]
-    pub fn overlap(&self) -> f64 {
-        let g = &self.grains;
-        let overlaps = self.neighbours.grains.iter().map(|near| {
-            let (i, j) = (near.grain as usize, near.other as usize);
-            g.radius[i] + g.radius[j] - (g.position[i] - g.position[j]).norm()
-        });
-        overlaps.fold(0.0, f64::max)
     }
 
     /// Moves the wall at the end of the bin towards +x outwards by a distance, m.

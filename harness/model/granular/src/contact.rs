@@ -19,7 +19,7 @@ pub(crate) struct Law {
     pub(crate) cohesion: f64,
 }
 
-/// What a contact remembers.
+/// History variables of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Memory {
     /// Stretch of the tangential spring, m.
@@ -48,13 +48,13 @@ pub(crate) struct Pair {
 
 /// A surface near a grain's centre.
 pub(crate) struct Surface {
-    /// Of the centre from the surface, m, negative within.
+    /// Signed distance of the grain's centre from the surface, m, negative inside.
     pub(crate) distance: f64,
     /// Unit normal out of the surface.
     pub(crate) normal: V3,
-    /// Of the surface at its point next to the centre, m/s.
+    /// Velocity of the surface at the point closest to the centre, m/s.
     pub(crate) velocity: V3,
-    /// Of the surface, rad/s.
+    /// Angular velocity of the surface, rad/s.
     pub(crate) spin: V3,
     pub(crate) law: Law,
 }

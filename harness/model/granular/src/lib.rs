@@ -2,9 +2,8 @@
 //! among them.
 //!
 //! Grains are a discrete element model (Cundall and Strack 1979): each contact is a spring and damper with friction and rolling
-//! resistance (`contact`), and steps are short enough to resolve it. rapier's solver of contacts was tried first and isn't used: with
-//! steps of 1 to 2 ms, which its cost allows, it lacks rolling resistance, and a wheel that is a thousand times as heavy as a grain sinks
-//! through grains that overlap (docs/granular.md).
+//! resistance (`contact`), and steps are short enough to resolve it. rapier's solver of contacts isn't used: it
+//! lacks rolling resistance, and under bodies much heavier than a grain its results depend on the step (docs/granular.md).
 //!
 //! # Coupling
 //!

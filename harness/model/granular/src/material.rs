@@ -1,4 +1,4 @@
-//! What grains are made of, as data: `tasks/soils/granular/*.yaml`.
+//! Granular materials as data: `tasks/soils/granular/*.yaml`.
 
 use serde::{Deserialize, Serialize};
 use vb_files::document::within;
@@ -24,7 +24,7 @@ pub struct Material {
     /// The attraction of two grains that touch, over the cross-section of the smaller one, Pa.
     #[serde(default)]
     pub cohesion: f64,
-    /// How far friction and resistance to rolling are reduced while the grains are poured, from 0 (loose) to 1 (as dense as without
+    /// Reduction of friction and rolling resistance while the grains are poured, from 0 (loose) to 1 (as dense as without
     /// friction).
     #[serde(default)]
     pub compaction: f64,

@@ -1,4 +1,4 @@
-//! Which grains may touch what until the list is made anew.
+//! Neighbour lists of grains (Verlet lists), which remain valid until something has moved by half of the skin.
 
 use crate::V3;
 use crate::bed::Grains;
@@ -6,7 +6,7 @@ use crate::contact::Memory;
 use crate::tool::{Motion, Shape, Tool};
 use crate::walls::Walls;
 
-/// What a grain may touch besides grains.
+/// Contact partner of a grain other than a grain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Other {
     Wall(u8),
@@ -36,7 +36,7 @@ pub(crate) struct Neighbours {
     /// Where grains and tools were when the list was made.
     places: Vec<V3>,
     tools: Vec<Motion>,
-    /// How far beyond a contact neighbours are, m.
+    /// Skin of the neighbour lists, m.
     skin: f64,
     /// Maximum diameter of a grain, m.
     diameter: f64,
@@ -63,7 +63,7 @@ impl Neighbours {
         }
     }
 
-    /// Makes the lists anew if something has moved by half of the skin since.
+    /// Rebuilds the lists if something has moved by half of the skin since the last time.
     pub(crate) fn update(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion], walls: &Walls) {
         let half = 0.25 * self.skin * self.skin;
         let is_near =
@@ -167,7 +167,7 @@ fn remembered<T: Copy + Ord>(keys: impl Iterator<Item = (u32, T)>, before: &[Nea
 }
 
 impl Motion {
-    /// How far some point of a tool has come since another of its motions, m. A wheel turns within itself.
+    /// Upper bound of the displacement of a tool's surface since an earlier motion, m. The spin of a wheel displaces nothing.
     fn moved_since(&self, before: &Self, tool: &Tool) -> f64 {
         let turned = match &tool.shape {
             Shape::Wheel { radius, width, .. } => {

@@ -1,4 +1,4 @@
-//! How grains lie in a bin: filled, settled and levelled once, then kept as a list.
+//! Packings of grains in a bin: poured, settled and levelled.
 
 use crate::{Bed, GRAVITY, Material, Settings, V3};
 use vb_math::rng::Stream;

@@ -2,7 +2,8 @@
 
 use crate::{Bed, Bin, GRAVITY, Material, Motion, Packing, PackingError, Quat, Settings, Shape, Tool, V3};
 
-/// Speed of the wall that lets a heap slide, √(m) s⁻¹ times the root of the mean radius: slow beside a grain's fall by its radius.
+/// Speed of the retreating wall over the square root of the mean radius, √m/s: less than half of √(2 g), which is
+/// that of a grain that has fallen by its radius.
 const RETREAT: f64 = 2.0;
 
 /// Slope of the heap that is left behind a wall that moves away slowly, rad: a straight line through the surface between 30 and 80 %
@@ -40,8 +41,7 @@ pub fn angle_of_repose(material: &Material, seed: u64) -> Result<f64, PackingErr
 }
 
 /// The straight line of least squares through points: its value at 0 and its slope.
-#[must_use]
-pub fn line(points: &[[f64; 2]]) -> [f64; 2] {
+fn line(points: &[[f64; 2]]) -> [f64; 2] {
     let n = points.len() as f64;
     let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n;
     let (x, y) = (mean(0), mean(1));
@@ -114,7 +114,7 @@ pub struct Wheel {
     pub speed: f64,
 }
 
-/// What a wheel does at a slip, as means over the second half of its way.
+/// Traction and sinkage of a wheel at a slip, averaged over the second half of its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traction {
     /// Drawbar pull over load.
