@@ -33,6 +33,7 @@ fn world() -> World {
             obstacle(-4.0, 2.0, ObstacleKind::Box { size: [1.0, 2.0, 3.0] }),
             obstacle(5.0, 3.0, ObstacleKind::Trunk { radius: 0.5, height: 5.0 }),
         ],
+        beds: Vec::new(),
         tasks: vec![Task {
             id: "t00".into(),
             start: Pose2 { x: -7.0, y: 0.0, yaw: 0.0 },

@@ -61,6 +61,7 @@ impl From<Place> for World {
             semantics: place.semantics,
             obstacles: place.obstacles,
             tasks: Vec::new(),
+            beds: Vec::new(),
         }
     }
 }

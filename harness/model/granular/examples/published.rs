@@ -3,10 +3,11 @@
 
 use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
 use vb_granular::{Bin, Material, Packing, PackingError, Settings};
+use vb_world::GranularMaterial;
 
 fn main() -> Result<(), PackingError> {
     for name in ["gravel", "sand"] {
-        let material = Material::resolve(name).expect("a material that comes with the crate");
+        let material = Material::resolve(name).expect("a material that comes with the crate").grains;
         let r = material.mean_radius();
         let deep = Bin { length: 36.0 * r, width: 36.0 * r, depth: 16.0 * r };
         let packing = Packing::poured(&material, deep, 1)?;
@@ -31,7 +32,7 @@ fn main() -> Result<(), PackingError> {
                 t.pull, t.gross, t.sinkage
             );
         }
-        let finer = Material { radius: material.radius.map(|r| 0.75 * r), ..material.clone() };
+        let finer = GranularMaterial { radius: material.radius.map(|r| 0.75 * r), ..material.clone() };
         for (what, material, settings) in [
             ("half the step", &material, Settings { step: 0.5 * settings.step, ..settings }),
             ("twice the stiffness", &material, Settings { stiffness: 2.0 * settings.stiffness, ..settings }),

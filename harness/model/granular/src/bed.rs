@@ -1,11 +1,12 @@
 //! A bed of grains that moves.
 
 use crate::contact::{Law, Memory, Pair};
-use crate::neighbours::{Neighbours, Other};
-use crate::packing::{Grain, Packing};
+use crate::neighbours::{Neighbours, Other, Period};
+use crate::packing::{Bin, Grain, Packing};
 use crate::tool::{Motion, Reaction, Tool};
 use crate::walls::Walls;
-use crate::{GRAVITY, Material, V3};
+use crate::{GRAVITY, V3};
+use vb_world::GranularMaterial;
 
 /// Time step and contact parameters of a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +62,7 @@ pub struct Bed {
 impl Bed {
     /// A bed of grains at rest, with tools.
     #[must_use]
-    pub fn new(packing: &Packing, material: &Material, tools: Vec<Tool>, settings: Settings) -> Self {
+    pub fn new(packing: &Packing, material: &GranularMaterial, tools: Vec<Tool>, settings: Settings) -> Self {
         let n = packing.grains.len();
         let grains = Grains {
             position: packing.grains.iter().map(|g| g.position).collect(),
@@ -97,6 +98,13 @@ impl Bed {
         }
     }
 
+    /// The same grains in a bin whose opposite walls are one: what leaves it comes back in from the other side.
+    pub(crate) fn periodic(mut self, bin: Bin) -> Self {
+        self.walls.count = 1;
+        self.neighbours.period = Period::of(bin);
+        self
+    }
+
     /// Advances the grains by a step, in which each tool moves with constant velocities, and returns what they do to the tools.
     pub fn step(&mut self, motions: &[Motion]) -> &[Reaction] {
         self.reactions.fill(Reaction::default());
@@ -125,7 +133,7 @@ impl Bed {
         }
         for near in &mut neighbours.grains {
             let (i, j) = (near.grain as usize, near.other as usize);
-            let way = grains.position[i] - grains.position[j];
+            let way = neighbours.period.nearest(grains.position[i] - grains.position[j]);
             let (ri, rj) = (grains.radius[i], grains.radius[j]);
             let square = way.norm_squared();
             if square >= (ri + rj) * (ri + rj) {

@@ -3,6 +3,7 @@
 use crate::V3;
 use crate::bed::Grains;
 use crate::contact::Memory;
+use crate::packing::Bin;
 use crate::tool::{Motion, Shape, Tool};
 use crate::walls::Walls;
 
@@ -42,6 +43,37 @@ pub(crate) struct Neighbours {
     diameter: f64,
     /// Distance from the tools beyond which grains at rest don't move, m.
     reach: f64,
+    pub(crate) period: Period,
+}
+
+/// Distances along x and y after which the grains repeat themselves, m; none in a bin with walls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Period(Option<[f64; 2]>);
+
+impl Period {
+    pub(crate) fn of(bin: Bin) -> Self {
+        Self(Some([bin.length, bin.width]))
+    }
+
+    /// The shortest of the ways between two grains.
+    #[inline]
+    pub(crate) fn nearest(self, mut way: V3) -> V3 {
+        if let Some(period) = self.0 {
+            for (k, p) in period.into_iter().enumerate() {
+                way[k] -= p * (way[k] / p).round();
+            }
+        }
+        way
+    }
+
+    /// Shows a place as it repeats itself around the bin, first where it is.
+    fn images(self, x: V3, mut show: impl FnMut(V3)) {
+        show(x);
+        let Some([px, py]) = self.0 else { return };
+        for (i, j) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            show(x + V3::new(f64::from(i) * px, f64::from(j) * py, 0.0));
+        }
+    }
 }
 
 /// Speed below which a grain far from the tools comes to rest, m/s.
@@ -60,6 +92,7 @@ impl Neighbours {
             skin,
             diameter,
             reach,
+            period: Period::default(),
         }
     }
 
@@ -77,6 +110,9 @@ impl Neighbours {
                 .all(|((now, before), tool)| now.moved_since(before, tool) < 0.5 * self.skin)
             && self.moving.iter().all(is_near);
         if !holds {
+            for x in &mut grains.position {
+                *x = self.period.nearest(*x);
+            }
             self.places.clone_from(&grains.position);
             self.tools = motions.to_vec();
             self.wake(grains, tools, motions);
@@ -87,10 +123,7 @@ impl Neighbours {
     /// Finds out which grains move; the others are stopped.
     fn wake(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion]) {
         let near = |x: &V3| {
-            let within = |(tool, motion): (&Tool, &Motion)| {
-                let bound = tool.shape.bound() + self.reach;
-                (x - motion.position).norm_squared() < bound * bound
-            };
+            let within = |(tool, motion): (&Tool, &Motion)| tool.shape.may_reach(x, motion, self.reach);
             self.reach.is_infinite() || tools.iter().zip(motions).any(within)
         };
         let moves = |i: usize| near(&grains.position[i]) || grains.velocity[i].norm_squared() > REST * REST;
@@ -113,12 +146,14 @@ impl Neighbours {
         for &i in &self.moving {
             let x = grains.position[i as usize];
             let reach = grains.radius[i as usize] + self.skin;
-            cells.around(&x, |j| {
-                let within = reach + grains.radius[j as usize];
-                let is_new = j > i || (j < i && !moves[j as usize]);
-                if is_new && (grains.position[j as usize] - x).norm_squared() < within * within {
-                    pairs.push((i.min(j), i.max(j)));
-                }
+            self.period.images(x, |x| {
+                cells.around(&x, |j| {
+                    let within = reach + grains.radius[j as usize];
+                    let is_new = j > i || (j < i && !moves[j as usize]);
+                    if is_new && (grains.position[j as usize] - x).norm_squared() < within * within {
+                        pairs.push((i.min(j), i.max(j)));
+                    }
+                });
             });
         }
         pairs.sort_unstable();
@@ -134,10 +169,8 @@ impl Neighbours {
             let near_walls = (0..walls.count).filter(near_wall).map(Other::Wall);
             let is_near = move |k: &usize| {
                 let (tool, motion) = (&tools[*k], &motions[*k]);
-                let way = x - motion.position;
-                let bound = tool.shape.bound() + reach;
-                way.norm_squared() < bound * bound
-                    && tool.shape.distance(&(motion.rotation.inverse() * way)).0 < reach
+                tool.shape.may_reach(&x, motion, reach)
+                    && tool.shape.distance(&(motion.rotation.inverse() * (x - motion.position))).0 < reach
             };
             let tools = (0..tools.len().min(motions.len())).filter(is_near).map(|k| Other::Tool(k as u8));
             near_walls.chain(tools).map(move |other| (i, other))
@@ -227,8 +260,15 @@ impl Cells {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
 
-    /// Shows all grains in the cell of a point and the cells around it.
+    /// Shows all grains in the cell of a point and the cells around it; none of a point more than a cell outside of the grid.
     fn around(&self, x: &V3, mut show: impl FnMut(u32)) {
+        let beyond = |k: usize| {
+            let place = (x[k] - self.low[k]) / self.side;
+            place < -1.0 || place > self.counts[k] as f64 + 1.0
+        };
+        if beyond(0) || beyond(1) {
+            return;
+        }
         let [cx, cy, cz] = self.cell(x);
         let span = |c: usize, k: usize| c.saturating_sub(1)..(c + 2).min(self.counts[k]);
         for z in span(cz, 2) {

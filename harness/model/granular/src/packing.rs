@@ -1,7 +1,8 @@
 //! Packings of grains in a bin: poured, settled and levelled.
 
-use crate::{Bed, GRAVITY, Material, Settings, V3};
+use crate::{Bed, GRAVITY, Settings, V3};
 use vb_math::rng::Stream;
+use vb_world::GranularMaterial;
 
 /// A bin with a rough floor at z = 0 and four smooth walls; its centre is above the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,9 @@ pub enum PackingError {
 const FILLED: f64 = 0.64;
 /// More is poured than fits, and struck off.
 const HEAPED: f64 = 1.1;
+/// Least side of the tiles of which a large bin is filled, in mean diameters of the grains: in half of it the places of grains forget each
+/// other (the radial distribution function of a random packing is flat beyond five diameters).
+const TILE: f64 = 14.0;
 /// Longest time in which grains come to rest, s: they fall from at most twice the depth.
 const SETTLE: f64 = 3.0;
 /// Kinetic energy of a grain at which it counts as at rest, over the energy that lifts it by its radius.
@@ -62,7 +66,48 @@ impl Packing {
     ///
     /// # Errors
     /// Returns an error if the bin is too small or too large for the grains.
-    pub fn poured(material: &Material, bin: Bin, seed: u64) -> Result<Self, PackingError> {
+    pub fn poured(material: &GranularMaterial, bin: Bin, seed: u64) -> Result<Self, PackingError> {
+        Self::filled(material, bin, seed, Settings::default(), false)
+    }
+
+    /// Fills a large bin with copies of a small tile, which is poured and repeats itself without a seam; grains that a wall
+    /// would cut are left out. It takes no longer than the tile does. A function of its arguments; `settings` tells step and stiffness.
+    ///
+    /// # Errors
+    /// Returns an error if the bin is too small or too large for the grains.
+    pub fn tiled(
+        material: &GranularMaterial,
+        bin: Bin,
+        seed: u64,
+        settings: Settings,
+    ) -> Result<Self, PackingError> {
+        Self::room(material, bin)?;
+        let side = TILE * 2.0 * material.mean_radius();
+        let count = |length: f64| (length / side).floor().max(1.0);
+        let (columns, rows) = (count(bin.length), count(bin.width));
+        let tile = Bin { length: bin.length / columns, width: bin.width / rows, depth: bin.depth };
+        let poured = Self::filled(material, tile, seed, settings, true)?;
+        let place = |k: f64, tile: f64, whole: f64| (k + 0.5) * tile - 0.5 * whole;
+        let mut grains = Vec::new();
+        for row in 0..rows as usize {
+            for column in 0..columns as usize {
+                let x = place(column as f64, tile.length, bin.length);
+                let y = place(row as f64, tile.width, bin.width);
+                let offset = V3::new(x, y, 0.0);
+                grains.extend(
+                    poured.grains.iter().map(|grain| Grain { position: grain.position + offset, ..*grain }),
+                );
+            }
+        }
+        grains.retain(|g| {
+            g.position.x.abs() + g.radius <= 0.5 * bin.length
+                && g.position.y.abs() + g.radius <= 0.5 * bin.width
+        });
+        Ok(Self { bin, grains })
+    }
+
+    /// How many grains are to be poured into a bin, if it has room for them.
+    fn room(material: &GranularMaterial, bin: Bin) -> Result<usize, PackingError> {
         let radius = material.radius[1];
         if [bin.length, bin.width, bin.depth].iter().any(|side| side.is_nan() || *side < 4.0 * radius) {
             return Err(PackingError::Small {
@@ -76,17 +121,36 @@ impl Packing {
         if wanted > Self::MOST as f64 {
             return Err(PackingError::Many { grains: wanted as u64 });
         }
-        let loose = Self { bin, grains: lattice(material, bin, wanted.ceil() as usize, seed) };
-        let slippery = material.poured();
-        let mut poured = loose.settled(&slippery);
+        Ok(wanted.ceil() as usize)
+    }
+
+    fn filled(
+        material: &GranularMaterial,
+        bin: Bin,
+        seed: u64,
+        settings: Settings,
+        repeats: bool,
+    ) -> Result<Self, PackingError> {
+        let wanted = Self::room(material, bin)?;
+        let loose = Self { bin, grains: lattice(material, bin, wanted, seed) };
+        let left = 1.0 - material.compaction;
+        let slippery = GranularMaterial {
+            friction: material.friction * left,
+            rolling_resistance: material.rolling_resistance * left,
+            ..material.clone()
+        };
+        let mut poured = loose.settled(&slippery, settings, repeats);
         poured.grains.retain(|grain| grain.position.z + grain.radius <= bin.depth);
-        Ok(poured.settled(&slippery))
+        Ok(poured.settled(&slippery, settings, repeats))
     }
 
     /// The grains at rest.
-    fn settled(&self, material: &Material) -> Self {
-        let settings = Settings::default();
+    fn settled(&self, material: &GranularMaterial, settings: Settings, repeats: bool) -> Self {
+        let settings = Settings { reach: f64::INFINITY, ..settings };
         let mut bed = Bed::new(self, material, Vec::new(), settings);
+        if repeats {
+            bed = bed.periodic(self.bin);
+        }
         let weight = material.density * material.mean_volume() * GRAVITY;
         let rest = REST * weight * material.mean_radius() * self.grains.len() as f64;
         let steps = (SETTLE / settings.step) as usize;
@@ -117,7 +181,7 @@ fn volume_below(grain: &Grain, height: f64) -> f64 {
 }
 
 /// Grains in the air, in layers, a little out of their places.
-fn lattice(material: &Material, bin: Bin, count: usize, seed: u64) -> Vec<Grain> {
+fn lattice(material: &GranularMaterial, bin: Bin, count: usize, seed: u64) -> Vec<Grain> {
     let mut stream = Stream::new(seed, &["granular", "packing"]);
     let [least, most] = material.radius;
     let along = |side: f64| ((side / (2.0 * most)) as usize).max(1);

@@ -1,6 +1,7 @@
 //! Stands: a heap, a plate and a single wheel.
 
-use crate::{Bed, Bin, GRAVITY, Material, Motion, Packing, PackingError, Quat, Settings, Shape, Tool, V3};
+use crate::{Bed, Bin, GRAVITY, Motion, Packing, PackingError, Quat, Settings, Shape, Tool, V3};
+use vb_world::GranularMaterial;
 
 /// Speed of the retreating wall over the square root of the mean radius, √m/s: less than half of √(2 g), which is
 /// that of a grain that has fallen by its radius.
@@ -11,7 +12,7 @@ const RETREAT: f64 = 2.0;
 ///
 /// # Errors
 /// Returns an error if the bin is too large for the grains, which it is not for valid materials.
-pub fn angle_of_repose(material: &Material, seed: u64) -> Result<f64, PackingError> {
+pub fn angle_of_repose(material: &GranularMaterial, seed: u64) -> Result<f64, PackingError> {
     let r = material.mean_radius();
     let bin = Bin { length: 32.0 * r, width: 20.0 * r, depth: 20.0 * r };
     let packing = Packing::poured(material, bin, seed)?;
@@ -57,7 +58,13 @@ fn line(points: &[[f64; 2]]) -> [f64; 2] {
 ///
 /// `side`: of the plate, m. `speed`: m/s. Returns sinkage, m, and mean pressure, Pa, of each centimetre down to `depth`, m.
 #[must_use]
-pub fn plate(packing: &Packing, material: &Material, side: f64, speed: f64, depth: f64) -> Vec<[f64; 2]> {
+pub fn plate(
+    packing: &Packing,
+    material: &GranularMaterial,
+    side: f64,
+    speed: f64,
+    depth: f64,
+) -> Vec<[f64; 2]> {
     let thickness = 0.1 * side;
     let shape = Shape::Box { half: V3::new(0.5 * side, 0.5 * side, 0.5 * thickness) };
     let plate = Tool { shape, friction: material.friction, stiffness: f64::INFINITY };
@@ -129,7 +136,13 @@ impl Wheel {
     /// Drives the wheel along the bin at a constant speed and slip (1 − v/(ω r)); it is free to sink. It starts a radius from the
     /// first wall and ends a radius from the last.
     #[must_use]
-    pub fn drive(&self, packing: &Packing, material: &Material, slip: f64, settings: Settings) -> Traction {
+    pub fn drive(
+        &self,
+        packing: &Packing,
+        material: &GranularMaterial,
+        slip: f64,
+        settings: Settings,
+    ) -> Traction {
         let shape = Shape::Wheel { radius: self.radius, width: self.width, shoulder: 0.1 * self.width };
         let tool = Tool { shape, friction: self.friction, stiffness: f64::INFINITY };
         let mut bed = Bed::new(packing, material, vec![tool], settings);

@@ -24,7 +24,15 @@ pub enum Shape {
         half: V3,
     },
     /// A convex solid.
-    Convex(Box<ConvexPolyhedron>),
+    Convex(Box<Convex>),
+}
+
+/// A convex solid and the box around it along its own axes.
+#[derive(Clone, Debug)]
+pub struct Convex {
+    solid: ConvexPolyhedron,
+    low: V3,
+    high: V3,
 }
 
 /// A body that moves among the grains, see the crate's documentation.
@@ -77,7 +85,31 @@ impl Shape {
     #[must_use]
     pub fn convex(points: &[[f64; 3]]) -> Option<Self> {
         let points: Vec<Vector> = points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
-        Some(Self::Convex(Box::new(ConvexPolyhedron::from_convex_hull(&points)?)))
+        let solid = ConvexPolyhedron::from_convex_hull(&points)?;
+        let corner = |from: f64, pick: fn(f64, f64) -> f64| {
+            let of = |k: usize| points.iter().fold(from, |best, p| pick(best, p[k]));
+            V3::new(of(0), of(1), of(2))
+        };
+        let (low, high) = (corner(f64::INFINITY, f64::min), corner(f64::NEG_INFINITY, f64::max));
+        Some(Self::Convex(Box::new(Convex { solid, low, high })))
+    }
+
+    /// Whether a point may be within a distance of the surface, m; whatever is farther away than its box is not.
+    pub(crate) fn may_reach(&self, x: &V3, motion: &Motion, distance: f64) -> bool {
+        let way = x - motion.position;
+        let bound = self.bound() + distance;
+        if way.norm_squared() >= bound * bound {
+            return false;
+        }
+        let within = |low: &V3, high: &V3| {
+            let p = motion.rotation.inverse() * way;
+            (0..3).all(|k| p[k] > low[k] - distance && p[k] < high[k] + distance)
+        };
+        match self {
+            Self::Wheel { .. } => true,
+            Self::Box { half } => within(&-half, half),
+            Self::Convex(convex) => within(&convex.low, &convex.high),
+        }
     }
 
     /// Distance of a point from the surface, m, negative within, and the unit normal out of it; own axes.
@@ -98,9 +130,9 @@ impl Shape {
                 };
                 rounded(&[face(0), face(1), face(2)], 0.0)
             }
-            Self::Convex(solid) => {
+            Self::Convex(convex) => {
                 let point = Vector::new(p.x, p.y, p.z);
-                let found = solid.project_local_point(point, false);
+                let found = convex.solid.project_local_point(point, false);
                 let way = point - found.point;
                 let way = V3::new(way.x, way.y, way.z);
                 let distance = way.norm();
@@ -111,11 +143,12 @@ impl Shape {
     }
 
     /// Radius of a sphere about the centre that contains it, m.
-    pub(crate) fn bound(&self) -> f64 {
+    #[must_use]
+    pub fn bound(&self) -> f64 {
         match self {
             Self::Wheel { radius, width, .. } => (radius * radius + 0.25 * width * width).sqrt(),
             Self::Box { half } => half.norm(),
-            Self::Convex(solid) => solid.points().iter().map(|p| p.length()).fold(0.0, f64::max),
+            Self::Convex(convex) => convex.low.abs().sup(&convex.high.abs()).norm(),
         }
     }
 }

@@ -1,18 +1,19 @@
 //! Momentum, energy and weight of a bed, and that it is a function of its inputs.
 
 use vb_granular::{Bed, Bin, GRAVITY, Material, Motion, Packing, Settings, Shape, Tool};
+use vb_world::GranularMaterial;
 
 type V3 = nalgebra::Vector3<f64>;
 type Quat = nalgebra::UnitQuaternion<f64>;
 
 const BIN: Bin = Bin { length: 0.6, width: 0.6, depth: 0.3 };
 
-fn material(name: &str) -> Material {
-    Material::resolve(name).expect("a material that comes with the crate")
+fn material(name: &str) -> GranularMaterial {
+    Material::resolve(name).expect("a material that comes with the crate").grains
 }
 
-fn sand() -> Material {
-    Material { cohesion: 500.0, ..material("sand") }
+fn sand() -> GranularMaterial {
+    GranularMaterial { cohesion: 500.0, ..material("sand") }
 }
 
 fn wheel() -> Tool {
@@ -137,4 +138,33 @@ fn grains_far_from_the_tools_lie_still_without_a_difference_to_the_tools() {
     assert_eq!(moving, packing.grains.len());
     assert!(2 * few < moving, "{few} of {moving} move");
     assert!((near / all - 1.0).abs() < 0.03, "{near} {all}");
+}
+
+#[test]
+fn a_large_bin_of_tiles_has_no_seams() {
+    let gravel = material("gravel");
+    let bin = Bin { length: 3.3, width: 2.2, depth: 0.25 };
+    let packing = Packing::tiled(&gravel, bin, 5, Settings::default()).unwrap();
+    // No walls either within: as dense in strips about the seams (of three tiles along x) as everywhere.
+    let volume = |low: f64, high: f64| -> f64 {
+        let within = |g: &&vb_granular::Grain| g.position.x >= low && g.position.x < high;
+        packing.grains.iter().filter(within).map(|g| g.radius.powi(3)).sum::<f64>() / (high - low)
+    };
+    let whole = volume(-1.5, 1.5);
+    for seam in [-0.55, 0.55] {
+        let there = volume(seam - 0.12, seam + 0.12) / whole;
+        assert!((there - 1.0).abs() < 0.1, "{there}");
+    }
+    // Grains of neighbouring tiles neither overlap more than those of one nor leave a gap.
+    let mut bed = Bed::new(&packing, &gravel, Vec::new(), Settings::default());
+    bed.step(&[]);
+    let first = bed.elastic_energy();
+    let weight = bed.mass() * GRAVITY;
+    for _ in 0..300 {
+        bed.step(&[]);
+    }
+    let fallen = bed.potential_energy();
+    let start: f64 = packing.grains.iter().map(|g| gravel.mass(g.radius) * GRAVITY * g.position.z).sum();
+    assert!((start - fallen) / weight < 1e-3, "the bed sinks by {} m", (start - fallen) / weight);
+    assert!(first < weight * 1e-3, "{first} J");
 }

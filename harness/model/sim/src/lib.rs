@@ -12,6 +12,7 @@
 mod collision;
 mod dynamics;
 mod error;
+mod granular;
 mod monitor;
 mod powertrain;
 mod simulation;

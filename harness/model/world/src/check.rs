@@ -16,11 +16,14 @@ pub enum Part {
     Obstacles,
     /// The tasks: `tasks.yaml`.
     Tasks,
+    /// The granular beds: `beds.yaml`, which a world without beds doesn't have.
+    Beds,
 }
 
 impl Part {
     /// All parts, in the order in which they are hashed.
-    pub const ALL: [Self; 5] = [Self::World, Self::Elevation, Self::Semantics, Self::Obstacles, Self::Tasks];
+    pub const ALL: [Self; 6] =
+        [Self::World, Self::Elevation, Self::Semantics, Self::Obstacles, Self::Tasks, Self::Beds];
 
     /// The name of the file that holds the part.
     #[must_use]
@@ -31,6 +34,7 @@ impl Part {
             Self::Semantics => "semantics.yaml",
             Self::Obstacles => "obstacles.yaml",
             Self::Tasks => "tasks.yaml",
+            Self::Beds => "beds.yaml",
         }
     }
 }
@@ -83,7 +87,7 @@ impl World {
     /// tasks that lie in the world, off its obstacles, and whose path leads from start to goal.
     ///
     /// # Errors
-    /// Returns the first flaw found, in the order world, elevation, semantics, obstacles, tasks.
+    /// Returns the first flaw found, in the order world, elevation, semantics, obstacles, tasks, beds.
     pub fn check(&self) -> Result<(), Flaw> {
         self.check_ground()?;
         for (k, o) in self.obstacles.iter().enumerate() {
@@ -91,11 +95,15 @@ impl World {
         }
         let outlines = self.outlines();
         let mut ids = BTreeSet::new();
-        self.tasks.iter().enumerate().try_for_each(|(k, task)| self.check_task(k, task, &outlines, &mut ids))
+        self.tasks
+            .iter()
+            .enumerate()
+            .try_for_each(|(k, task)| self.check_task(k, task, &outlines, &mut ids))?;
+        self.check_beds()
     }
 
     /// All flaws that [`World::check`] would find if each were mended before the next: the first flaw of name, heights
-    /// and ground, and the first one of every obstacle and task.
+    /// and ground, the first one of every obstacle and task, and that of the beds.
     #[must_use]
     pub fn flaws(&self) -> Vec<Flaw> {
         let obstacles = self.obstacles.iter().enumerate();
@@ -109,7 +117,10 @@ impl World {
                 tasks.extend(self.check_task(k, task, &outlines, &mut ids).err());
             }
         }
-        self.check_ground().err().into_iter().chain(obstacles).chain(tasks).collect()
+        let ground = self.check_ground().err();
+        // Beds lie on patches and heights.
+        let beds = if ground.is_none() { self.check_beds().err() } else { None };
+        ground.into_iter().chain(obstacles).chain(tasks).chain(beds).collect()
     }
 
     fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
@@ -299,7 +310,7 @@ impl World {
         p[0].is_finite() && p[1].is_finite() && self.heightfield.contains(p[0], p[1])
     }
 
-    fn outside(&self) -> String {
+    pub(crate) fn outside(&self) -> String {
         let (x, y) = (self.heightfield.half_x(), self.heightfield.half_y());
         if x == y {
             return format!("lies outside the world (±{x} m)");

@@ -10,6 +10,7 @@
 mod check;
 mod format;
 pub mod geometry;
+mod granular;
 mod heightfield;
 mod obstacle;
 mod raster;
@@ -24,6 +25,7 @@ pub use check::{Flaw, Part};
 pub use format::{
     Georeference, Provenance, SCHEMA, Suite, SuiteError, SuiteMeta, SuiteWriter, WorldInfo, read_obstacles,
 };
+pub use granular::{GranularBed, GranularMaterial};
 pub use heightfield::{Facet, Heightfield, Nearby, SurfacePoint};
 pub use obstacle::{Obstacle, ObstacleKind};
 pub use raster::Raster;

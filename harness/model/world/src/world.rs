@@ -1,6 +1,8 @@
 //! A world: all that a task happens in.
 
-use crate::{Heightfield, Obstacle, Pose2, Raster, Semantics, SoilLevels, Task, TerrainClass, geometry};
+use crate::{
+    GranularBed, Heightfield, Obstacle, Pose2, Raster, Semantics, SoilLevels, Task, TerrainClass, geometry,
+};
 
 /// The elevation level of a world, as in the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -104,6 +106,8 @@ pub struct World {
     pub obstacles: Vec<Obstacle>,
     /// The tasks, in order.
     pub tasks: Vec<Task>,
+    /// The granular beds.
+    pub beds: Vec<GranularBed>,
 }
 
 impl World {
@@ -129,11 +133,12 @@ impl World {
             heightfield,
             obstacles: Vec::new(),
             tasks: Vec::new(),
+            beds: Vec::new(),
         }
     }
 
     /// The same world with every length multiplied by `s` (> 0): heights, grid and patch sizes, obstacles with their
-    /// burial, starts, goals and paths. Angles and friction stay; [`World::scale`] is multiplied.
+    /// burial, beds with their grains, starts, goals and paths. Angles and friction stay; [`World::scale`] is multiplied.
     ///
     /// The paper scales vehicle and world together (1, 1/6, 1/10); the original code scaled some lengths twice and
     /// others not at all, which is not repeated here.
@@ -153,6 +158,7 @@ impl World {
             semantics: Semantics { patch: self.semantics.patch * s, ..self.semantics.clone() },
             obstacles: self.obstacles.iter().map(|o| o.scaled(s)).collect(),
             tasks: self.tasks.iter().map(task).collect(),
+            beds: self.beds.iter().map(|bed| bed.scaled(s)).collect(),
             ..*self
         }
     }
@@ -161,6 +167,12 @@ impl World {
     #[must_use]
     pub fn at_scale(self, s: f64) -> Self {
         if s == 1.0 { self } else { self.scaled(s) }
+    }
+
+    /// The number of the granular bed at (x, y); `None` outside of all.
+    #[must_use]
+    pub fn bed_at(&self, x: f64, y: f64) -> Option<usize> {
+        self.beds.iter().position(|bed| bed.contains(x, y))
     }
 
     /// Tells whether no patch yields under a wheel.

@@ -224,6 +224,7 @@ impl Generator<'_> {
             semantics,
             obstacles: Vec::new(),
             tasks: Vec::new(),
+            beds: Vec::new(),
             id: id.clone(),
         };
         furnish(&mut world, &rules.obstacles, &rules.path, &ends, &mut stream("obstacles"))?;

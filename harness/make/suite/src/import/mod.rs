@@ -206,6 +206,7 @@ impl Source {
             semantics,
             obstacles,
             tasks: Vec::new(),
+            beds: Vec::new(),
         };
         world.check().map_err(|flaw| ImportError::World { file: file.clone(), flaw })?;
         world.tasks = tasks(file, &config, &world)?;

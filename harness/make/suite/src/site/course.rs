@@ -107,6 +107,7 @@ impl<'a> CourseSite<'a> {
             semantics,
             obstacles: within(obstacles, [0.0; 2], half),
             tasks: vec![self.task()],
+            beds: Vec::new(),
             id: id.clone(),
         };
         world.check().map_err(|flaw| GenerateError::World { world: id, flaw })?;

@@ -282,6 +282,7 @@ impl<'a> Site<'a> {
             semantics,
             obstacles: Vec::new(),
             tasks: Vec::new(),
+            beds: Vec::new(),
             id: place.id.clone(),
         };
         let half = 0.5 * site.side;

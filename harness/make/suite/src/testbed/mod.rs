@@ -89,6 +89,7 @@ impl Testbed<'_> {
             semantics,
             obstacles: Vec::new(),
             tasks: Vec::new(),
+            beds: Vec::new(),
             id: id.clone(),
         };
         let noise = rules.trials.noise;

@@ -26,6 +26,7 @@ fn world(obstacles: Vec<Obstacle>) -> World {
         },
         obstacles,
         tasks: Vec::new(),
+        beds: Vec::new(),
     }
 }
 

@@ -85,6 +85,15 @@ impl PhysicsHooks for Correction<'_> {
         if self.footing.soil.is_empty() {
             return;
         }
+        // The grains of a bed press on the hull themselves.
+        manifold.solver_contacts.retain(|c| {
+            let at = on_ground(c);
+            !self.footing.soil.is_granular(at.x, at.y)
+        });
+        let count = manifold.solver_contacts.len();
+        if count == 0 {
+            return;
+        }
         let middle = manifold.solver_contacts.iter().map(on_ground).sum::<Vector>() / count as f64;
         let upwards = from_vector(*manifold.normal).z.abs();
         for c in manifold.solver_contacts.iter_mut() {

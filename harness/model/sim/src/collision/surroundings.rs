@@ -7,14 +7,16 @@ use rapier3d_f64::prelude::*;
 use vb_world::{Obstacle, World};
 
 use super::{Cuboid, extents, from_vector, points, rotation, vector};
+use crate::granular::{self, Packings};
 use crate::{Quat, V3};
 
-/// A world with the convex bodies of its obstacles. To make them takes as long as some hundred steps of a vehicle, so whoever
-/// drives in the same world again keeps them; a clone shares them.
+/// A world with the convex bodies of its obstacles and the grains of its beds. To make them takes as long as some hundred steps of a
+/// vehicle, and seconds where there are beds, so whoever drives in the same world again keeps them; a clone shares them.
 #[derive(Clone)]
 pub struct Surroundings {
     world: Arc<World>,
     solids: Arc<[Solid]>,
+    packings: Packings,
 }
 
 /// One convex obstacle in place.
@@ -30,7 +32,8 @@ pub(super) struct Solid {
 impl From<Arc<World>> for Surroundings {
     fn from(world: Arc<World>) -> Self {
         let solids = world.obstacles.iter().filter_map(|o| Solid::new(o, &world)).collect();
-        Self { world, solids }
+        let packings = granular::fill(&world);
+        Self { world, solids, packings }
     }
 }
 
@@ -38,6 +41,11 @@ impl Surroundings {
     #[must_use]
     pub fn world(&self) -> &Arc<World> {
         &self.world
+    }
+
+    /// The beds of the world as they were filled.
+    pub(crate) fn packings(&self) -> &Packings {
+        &self.packings
     }
 
     pub(super) fn solids(&self) -> &Arc<[Solid]> {

@@ -147,7 +147,7 @@ impl Touch<'_, '_> {
         let (heightfield, clearance) = (self.ground.heightfield, &mut self.contacts.clearance);
         match under {
             Under::Rigid => envelope.query_where(heightfield, hub, axis, clearance, |_, _| 1.0),
-            Under::Soil(_) => None,
+            Under::Soil(_) | Under::Granular => None,
             Under::Mixed => {
                 let soil = &self.ground.soil;
                 envelope.query_where(heightfield, hub, axis, clearance, |x, y| rigid(soil, x, y))

@@ -16,6 +16,7 @@
 //! | `steering` | what the driver asks, load of the last step | the steering command and its rate |
 //! | `kinematics` | design, motion of chassis and wheels, steering | placements of wheels and beams |
 //! | `contact` | placements, ground | forces on the wheels, with what contacts remember and the soil brought up to date |
+//! | `granular` | placements, granular beds | the same forces with those of the beds, forces on belts and hull, with the grains advanced |
 //! | `track` | placements, ground, forces on the wheels | the same forces with those of the belts, thrusts |
 //! | `drive` | spins, forces or thrusts, what the driver asks | new spins, torques, with engine and gearbox advanced |
 //! | `solve` (with `beam`) | placements, forces, new spins, torques | what is added to the velocities |
@@ -27,6 +28,7 @@ mod design;
 mod drive;
 mod energy;
 mod facets;
+mod granular;
 mod ground;
 mod integrate;
 mod kinematics;
@@ -97,6 +99,11 @@ impl Vehicle {
             design: Arc::new(design),
             gravity_world: Self::GRAVITY,
         }
+    }
+
+    /// The bodies of the vehicle that meet grains of a mean radius (m).
+    pub(crate) fn tools(&self, spec: &VehicleSpec, grain: f64) -> Vec<vb_granular::Tool> {
+        granular::tools(&self.design, spec, grain)
     }
 
     pub(crate) fn body(&self) -> &Body {
@@ -215,10 +222,12 @@ impl Vehicle {
         let kinematics = Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams);
         track::carry_shear(&design.tracks, &state.belts, &mut state.contacts, dt);
         contact::touch_wheels(design, &kinematics, ground, &mut state.contacts, forces, dt);
+        let pressed = granular::press(design, &kinematics, ground.beds, &state.belts, laid, forces, dt);
         let shafts = if design.tracks.is_empty() {
             Shafts::of_wheels(design, &state.wheels, forces, controls.brake)
         } else {
-            track::pull_tracks(design, &kinematics, ground, &mut state.belts, laid, forces, dt);
+            let spans = pressed.as_ref().map_or(&[][..], |pressed| &pressed.spans);
+            track::pull_tracks(design, &kinematics, ground, spans, &mut state.belts, laid, forces, dt);
             let thrusts = [0, 1].map(|i| laid[i].total_thrust());
             Shafts::of_sprockets(design, &state.belts, thrusts, forces, controls.brake, steering.command)
         };
@@ -226,7 +235,8 @@ impl Vehicle {
         state.steering.bear(load, steering.rate, dt);
         let demand = drive::demand(design, &state.body, state.drive.gear(), &controls, steering.command);
         let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
-        let increments = solve::solve(design, &kinematics, forces, &driven, gravity_world, dt);
+        let on_hull = pressed.map(|pressed| pressed.hull);
+        let increments = solve::solve(design, &kinematics, forces, on_hull, &driven, gravity_world, dt);
         integrate::integrate(state, steering, &driven, &increments, dt);
     }
 }

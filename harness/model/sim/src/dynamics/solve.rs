@@ -4,6 +4,7 @@ use super::beam::eliminate;
 use super::contact::Forces;
 use super::design::{Design, Guide};
 use super::drive::Driven;
+use super::granular::Wrench;
 use super::kinematics::Kinematics;
 use super::state::Body;
 use crate::{M3, V3};
@@ -83,12 +84,13 @@ fn air(design: &Design, body: &Body) -> V3 {
     body.v_world * (-force / speed)
 }
 
-/// What the forces on the wheels, the driveline's torques and gravity (world axes, m/s²) do to the velocities within `dt`,
-/// s.
+/// What the forces on the wheels and on the hull, the driveline's torques and gravity (world axes, m/s²) do to the velocities within
+/// `dt`, s.
 pub(super) fn solve(
     design: &Design,
     kinematics: &Kinematics<'_>,
     forces: &[Forces],
+    on_hull: Option<Wrench>,
     driven: &Driven,
     gravity: &V3,
     dt: f64,
@@ -100,6 +102,10 @@ pub(super) fn solve(
     let mut linear = M3::from_diagonal_element(design.mass);
     let mut moment = -body.w_world.cross(&(inertia * body.w_world));
     let mut force = gravity * design.mass + air(design, body);
+    if let Some(on_hull) = on_hull {
+        moment += on_hull.moment;
+        force += on_hull.force;
+    }
     // Per corner: M t, tᵀMt with the dampers' implicit part, right-hand side.
     let mut reduced = [(V3::zeros(), 0.0, 0.0); MAX_WHEELS];
     // What anti-roll bars add: force along the travel, implicit damping.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::collision::Obstacles;
+use crate::granular::Beds;
 use crate::soil::SoilGround;
 use crate::tyre::{Contact, WheelMotion};
 use vb_vehicle::suspension::{Damper, Linkage, Spring, SteeringGear, Strut};
@@ -152,8 +153,13 @@ fn flat() -> (Heightfield, Semantics, Obstacles) {
 fn fall(vehicle: &mut Vehicle, dt: f64, steps: u32, mut see: impl FnMut(&Vehicle, f64)) {
     let (heightfield, semantics, obstacles) = flat();
     let mut soil = SoilGround::none();
-    let mut ground =
-        Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
+    let mut ground = Ground {
+        soil: &mut soil,
+        heightfield: &heightfield,
+        semantics: &semantics,
+        obstacles: &obstacles,
+        beds: &mut Beds::none(),
+    };
     vehicle.state.body.x_world.z = 100.0;
     for k in 1..=steps {
         vehicle.accelerate(Controls::default(), &mut ground, dt);
@@ -314,8 +320,13 @@ fn at_rest(spec: &VehicleSpec) -> Vehicle {
     let mut vehicle = build(spec);
     let (heightfield, semantics, obstacles) = flat();
     let mut soil = SoilGround::none();
-    let mut ground =
-        Ground { soil: &mut soil, heightfield: &heightfield, semantics: &semantics, obstacles: &obstacles };
+    let mut ground = Ground {
+        soil: &mut soil,
+        heightfield: &heightfield,
+        semantics: &semantics,
+        obstacles: &obstacles,
+        beds: &mut Beds::none(),
+    };
     vehicle.state.body.x_world.z = spec.tyre.radius() + spec.chassis.com[2];
     let controls = Controls { brake: 1.0, ..Controls::default() };
     for _ in 0..6000 {
@@ -443,6 +454,7 @@ fn a_wheel_that_comes_from_facets_to_soil_forgets_them() {
             heightfield: &world.heightfield,
             semantics: &world.semantics,
             obstacles: &Obstacles::none(),
+            beds: &mut Beds::none(),
         };
         vehicle.accelerate(Controls::default(), &mut ground, 1e-3);
         vehicle.state.contacts.iter().map(|c| c.facets.digest().count()).sum::<usize>()
@@ -480,7 +492,13 @@ fn a_wheel_that_is_wedged_between_two_trunks_is_pushed_by_both() {
         let mut v = vehicle.clone();
         // However deep it is there.
         v.state.contacts[0].obstacles = super::obstacles::ObstaclePatches::at_any_depth();
-        let mut ground = Ground { soil: &mut soil, heightfield, semantics, obstacles: &obstacles };
+        let mut ground = Ground {
+            soil: &mut soil,
+            heightfield,
+            semantics,
+            obstacles: &obstacles,
+            beds: &mut Beds::none(),
+        };
         v.accelerate(Controls::default(), &mut ground, 1e-3);
         (v.last.forces[0].force.x, v.last.forces[0].load)
     };
@@ -503,7 +521,13 @@ fn steered(spec: &VehicleSpec, trunks: impl Fn(V3) -> Vec<[f64; 2]>) -> (f64, f6
     let mut most = 0.0_f64;
     for _ in 0..1000 {
         let (heightfield, semantics) = (&world.heightfield, &world.semantics);
-        let mut ground = Ground { soil: &mut soil, heightfield, semantics, obstacles: &obstacles };
+        let mut ground = Ground {
+            soil: &mut soil,
+            heightfield,
+            semantics,
+            obstacles: &obstacles,
+            beds: &mut Beds::none(),
+        };
         let controls = Controls { steering: 1.0, brake: 1.0, ..Controls::default() };
         vehicle.accelerate(controls, &mut ground, 1e-3);
         vehicle.body_mut().move_on(1e-3);

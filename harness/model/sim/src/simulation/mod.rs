@@ -10,9 +10,11 @@ pub use rig::Rig;
 use crate::collision::{ChassisContacts, Footing, Obstacles, Surroundings};
 use crate::dynamics::{Ground, Vehicle};
 use crate::error::SimError;
+use crate::granular::Beds;
 use crate::monitor::{EnergyMonitor, PERIOD};
 use crate::soil::{SoilGround, SoilSet};
 use crate::state::{Controls, VehicleState};
+use crate::tyre::Envelope;
 use crate::{V3, normal_of};
 use std::sync::Arc;
 use vb_vehicle::{MAX_WHEELS, VehicleModel};
@@ -99,6 +101,7 @@ pub struct Simulation {
     reference: V3,
     obstacles: Obstacles,
     soil: SoilGround,
+    beds: Beds,
     chassis: ChassisContacts,
     steps: u64,
     /// Steps in which the contact solver ran.
@@ -114,8 +117,8 @@ impl Simulation {
     /// in it.
     ///
     /// # Errors
-    /// Returns [`SimError::NoSoil`] for a class of the world that the set has no soil for, and [`SimError::Diverged`]
-    /// if the state becomes one that no vehicle can have.
+    /// Returns [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::Grains`] for grains of a bed
+    /// that are larger than a wheel, and [`SimError::Diverged`] if the state becomes one that no vehicle can have.
     pub fn new(
         surroundings: impl Into<Surroundings>,
         model: &VehicleModel,
@@ -131,9 +134,13 @@ impl Simulation {
         let vehicle = Vehicle::new(spec, model.axles(), soil_resolution);
         let (mass, inertia, com) = vehicle.composite();
         let chassis = ChassisContacts::new(spec, &surroundings, mass, inertia, com, options.step);
+        let radius = vehicle.envelopes().map(Envelope::radius).fold(f64::INFINITY, f64::min);
+        let tools = |grain: f64| vehicle.tools(spec, grain);
+        let beds = Beds::new(&world, surroundings.packings(), tools, radius, options.step)?;
         let mut simulation = Self {
             obstacles: Obstacles::new(&surroundings),
             soil,
+            beds,
             reference: -V3::from(spec.chassis.com),
             look_at_energy: ((PERIOD / options.step).round() as u64).max(1),
             energy: EnergyMonitor::new(vehicle.weight_and_radius()),
@@ -172,7 +179,8 @@ impl Simulation {
                 let normal = normal_of([under.dzdx, under.dzdy]);
                 let lean = axis.dot(&normal).abs();
                 let face = (hub.z - under.z) * normal.z - envelope.half_width() * lean;
-                let own_forces = passes || self.soil.soil_at(hub.x, hub.y).is_some();
+                let has_soil = self.soil.soil_at(hub.x, hub.y).is_some();
+                let own_forces = passes || has_soil || self.soil.is_granular(hub.x, hub.y);
                 *stands = own_forces && (lean < STRAIGHT || face > FACE_NEAR * envelope.radius());
             }
         }
@@ -200,6 +208,7 @@ impl Simulation {
             heightfield: &self.world.heightfield,
             semantics: &self.world.semantics,
             obstacles: &self.obstacles,
+            beds: &mut self.beds,
         };
         self.vehicle.accelerate(controls, &mut ground, dt);
         self.pass_over_soil();
@@ -390,6 +399,11 @@ impl Simulation {
             .map(|(p, c)| (p, c.plastic, c.raised))
     }
 
+    /// The grains of the world's granular beds: centres in world axes, m, and radii, m.
+    pub fn grains(&self) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
+        self.beds.grains()
+    }
+
     /// By how much the ground at (x, y) is higher than it was at first, m: the height of the heap less the depth of the
     /// rut. It is `None` outside the world, and where nothing has touched the soil for some metres around.
     #[must_use]
@@ -453,8 +467,8 @@ impl Simulation {
     }
 
     /// Feeds the state of the vehicle into `sink`, in a fixed order: its pose, its velocities, the states of its wheels,
-    /// footprints, tracks and driveline, and a gravity that a test rig has changed. Ruts that it has left are not in it;
-    /// two drives whose ruts differ differ in it as soon as a wheel meets one.
+    /// footprints, tracks and driveline, and a gravity that a test rig has changed. Ruts that it has left and grains are not in it;
+    /// two drives in which they differ differ in it as soon as a wheel meets one.
     pub fn visit_state(&self, mut sink: impl FnMut(f64)) {
         let (vehicle, body) = (&self.vehicle, self.vehicle.body());
         body.x_world

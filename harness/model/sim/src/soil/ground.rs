@@ -9,7 +9,7 @@ use vb_world::World;
 #[derive(Clone, Debug)]
 pub(crate) struct SoilGround {
     soils: Vec<Soil>,
-    /// For each patch of the semantics the index of its soil, or `RIGID`.
+    /// For each patch of the semantics the index of its soil, or `RIGID` or `GRANULAR`.
     patches: Vec<u8>,
     rows: usize,
     cols: usize,
@@ -19,10 +19,14 @@ pub(crate) struct SoilGround {
     pub(crate) blend: f64,
     /// Whether any of the soils has slip sinkage.
     digs: bool,
+    /// Whether some patches are granular beds.
+    has_beds: bool,
     pub(crate) grid: Grid,
 }
 
 const RIGID: u8 = u8::MAX;
+/// In `patches`, those of granular beds.
+const GRANULAR: u8 = u8::MAX - 1;
 /// Width of the strip within soil over which a load is handed over from rigid ground, in the full-size world, m.
 const BLEND: f64 = 0.1;
 
@@ -33,7 +37,16 @@ pub(crate) enum Under {
     Rigid,
     /// One soil only, by its number.
     Soil(u8),
+    /// A granular bed only, whose forces are not the ground's.
+    Granular,
     Mixed,
+}
+
+impl Under {
+    /// Whether there may be soil.
+    pub(crate) fn has_soil(self) -> bool {
+        matches!(self, Self::Soil(_) | Self::Mixed)
+    }
 }
 
 impl SoilGround {
@@ -47,7 +60,22 @@ impl SoilGround {
         let mut patches = Vec::with_capacity(s.classes.len());
         // Which soil a law became: its tables take thousands of powers to make, and patches come by the thousand.
         let mut prepared: Vec<(&SoilLaw, u8)> = Vec::new();
-        for &class in &s.classes {
+        let mut is_granular = vec![false; s.classes.len()];
+        for bed in &world.beds {
+            // Their edges lie on borders of patches.
+            let [low, high] = bed.corners();
+            let half = 0.5 * s.patch;
+            let first = s.patch_index(low[0] + half, low[1] + half);
+            let last = s.patch_index(high[0] - half, high[1] - half);
+            for row in first / s.cols..=last / s.cols {
+                is_granular[row * s.cols + first % s.cols..=row * s.cols + last % s.cols].fill(true);
+            }
+        }
+        for (&class, &is_granular) in s.classes.iter().zip(&is_granular) {
+            if is_granular {
+                patches.push(GRANULAR);
+                continue;
+            }
             let Some(level) = s.soil.of(class) else {
                 patches.push(RIGID);
                 continue;
@@ -71,6 +99,7 @@ impl SoilGround {
         let half = [world.heightfield.half_x(), world.heightfield.half_y()];
         Ok(Self {
             digs: soils.iter().any(Soil::digs),
+            has_beds: !world.beds.is_empty(),
             soils,
             patches,
             rows: s.rows,
@@ -86,6 +115,7 @@ impl SoilGround {
         let side = 2.0 * half[0].max(half[1]);
         Self {
             digs: soil.digs(),
+            has_beds: false,
             soils: vec![soil],
             patches: vec![0],
             rows: 1,
@@ -101,6 +131,7 @@ impl SoilGround {
     pub(crate) fn none() -> Self {
         Self {
             digs: false,
+            has_beds: false,
             soils: Vec::new(),
             patches: vec![RIGID],
             rows: 1,
@@ -113,7 +144,12 @@ impl SoilGround {
 
     /// Whether the world is rigid throughout.
     pub(crate) fn is_empty(&self) -> bool {
-        self.soils.is_empty()
+        self.soils.is_empty() && !self.has_beds
+    }
+
+    /// Whether the ground at a position is a granular bed.
+    pub(crate) fn is_granular(&self, x: f64, y: f64) -> bool {
+        self.has_beds && self.kind(self.row(y).0, self.column(x).0) == GRANULAR
     }
 
     #[inline]
@@ -165,7 +201,11 @@ impl SoilGround {
                 }
             }
         }
-        if first == RIGID { Under::Rigid } else { Under::Soil(first) }
+        match first {
+            RIGID => Under::Rigid,
+            GRANULAR => Under::Granular,
+            soil => Under::Soil(soil),
+        }
     }
 
     /// Share of a load that soil carries, where rigid ground carries the rest: 0 on rigid ground, rising linearly to 1

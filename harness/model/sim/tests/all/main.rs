@@ -6,6 +6,7 @@ mod bits;
 mod canonical;
 #[path = "../common/mod.rs"]
 mod common;
+mod granular;
 mod linkages;
 mod mutations;
 mod reverse;

@@ -44,6 +44,7 @@ fn wild_world(rng: &mut Stream) -> Arc<World> {
         semantics: Semantics { rows: patches, cols: patches, patch: 4.0, classes, friction, soil },
         obstacles,
         tasks: vec![],
+        beds: Vec::new(),
     })
 }
 

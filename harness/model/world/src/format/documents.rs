@@ -3,7 +3,8 @@
 use super::{SCHEMA, error::SuiteError, text};
 use crate::check::{Flaw, MAX_SIDE, Part};
 use crate::{
-    Density, Elevation, Obstacle, ObstacleKind, Semantics, SoilLevels, Task, Terrain, TerrainClass, World,
+    Density, Elevation, GranularBed, GranularMaterial, Obstacle, ObstacleKind, Semantics, SoilLevels, Task,
+    Terrain, TerrainClass, World,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -341,5 +342,91 @@ impl TasksDocument {
             );
         }
         out
+    }
+}
+
+/// `beds.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BedsDocument {
+    /// Materials by the names that beds use.
+    materials: BTreeMap<String, GranularMaterial>,
+    beds: Vec<BedEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BedEntry {
+    material: String,
+    x: f64,
+    y: f64,
+    length: f64,
+    width: f64,
+    depth: f64,
+    seed: u64,
+}
+
+impl BedsDocument {
+    /// The text; empty without beds, since such a world has no file of them.
+    pub(crate) fn write(beds: &[GranularBed]) -> String {
+        if beds.is_empty() {
+            return String::new();
+        }
+        let materials: BTreeMap<&str, &GranularMaterial> =
+            beds.iter().map(|bed| (bed.name.as_str(), &bed.material)).collect();
+        let mut out = String::from("# Grains: radii in m, density in kg/m3, cohesion in Pa.\nmaterials:\n");
+        for (name, m) in materials {
+            let [density, friction, rolling, cohesion, compaction] =
+                [m.density, m.friction, m.rolling_resistance, m.cohesion, m.compaction].map(text::number);
+            let _ = writeln!(
+                out,
+                "  {name}: {{class: {}, radius: {}, density: {density}, friction: {friction}, rolling_resistance: {rolling}, \
+                 cohesion: {cohesion}, compaction: {compaction}}}",
+                m.class.name(),
+                text::numbers(&m.radius),
+            );
+        }
+        out.push_str("# Pits along the axes, around their centres, filled up to the ground.\nbeds:\n");
+        for bed in beds {
+            let [x, y, length, width, depth] =
+                [bed.x, bed.y, bed.length, bed.width, bed.depth].map(text::number);
+            let _ = writeln!(
+                out,
+                "  - {{material: {}, x: {x}, y: {y}, length: {length}, width: {width}, depth: {depth}, seed: {}}}",
+                bed.name, bed.seed
+            );
+        }
+        out
+    }
+
+    pub(crate) fn into_beds(self) -> Result<Vec<GranularBed>, Flaw> {
+        for (name, material) in &self.materials {
+            crate::check::check_id(name)
+                .map_err(|problem| Flaw::new(Part::Beds, format!("materials.{name}"), problem))?;
+            material.check().map_err(|flaw| {
+                Flaw::new(Part::Beds, format!("materials.{name}.{}", flaw.field), flaw.problem)
+            })?;
+        }
+        if self.beds.is_empty() {
+            return Err(Flaw::new(Part::Beds, "beds", "is empty: remove the file of a world without beds"));
+        }
+        let names = || self.materials.keys().cloned().collect::<Vec<_>>().join(", ");
+        let bed = |(k, entry): (usize, &BedEntry)| {
+            let material = self.materials.get(&entry.material).ok_or_else(|| {
+                let problem = format!("{:?} is none of the materials: {}", entry.material, names());
+                Flaw::new(Part::Beds, format!("beds[{k}].material"), problem)
+            })?;
+            Ok(GranularBed {
+                name: entry.material.clone(),
+                material: material.clone(),
+                x: entry.x,
+                y: entry.y,
+                length: entry.length,
+                width: entry.width,
+                depth: entry.depth,
+                seed: entry.seed,
+            })
+        };
+        self.beds.iter().enumerate().map(bed).collect()
     }
 }

@@ -1,6 +1,8 @@
 //! A world as the bytes of its files.
 
-use super::documents::{ObstaclesDocument, SemanticsDocument, TasksDocument, WorldDocument, check_schema};
+use super::documents::{
+    BedsDocument, ObstaclesDocument, SemanticsDocument, TasksDocument, WorldDocument, check_schema,
+};
 use super::error::SuiteError;
 use super::{elevation, text};
 use crate::World;
@@ -11,8 +13,8 @@ use vb_files::Hash;
 /// Largest file of a world that is read, bytes: the picture of the largest world there may be has 128 MiB at most.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// The files of a world, in the order of [`Part::ALL`].
-pub(crate) struct WorldFiles([Vec<u8>; 5]);
+/// The files of a world, in the order of [`Part::ALL`]. One that the world doesn't have is empty.
+pub(crate) struct WorldFiles([Vec<u8>; Part::ALL.len()]);
 
 impl WorldFiles {
     pub(crate) fn from_world(world: &World) -> Result<Self, Flaw> {
@@ -29,6 +31,7 @@ impl WorldFiles {
             SemanticsDocument::write(&world.semantics).into_bytes(),
             ObstaclesDocument::write(&world.obstacles).into_bytes(),
             TasksDocument::write(&world.tasks).into_bytes(),
+            BedsDocument::write(&world.beds).into_bytes(),
         ]))
     }
 
@@ -36,19 +39,34 @@ impl WorldFiles {
         let mut files = Self(Default::default());
         for (part, slot) in Part::ALL.iter().zip(&mut files.0) {
             let path = folder.join(part.file_name());
+            if *part == Part::Beds && !path.exists() {
+                continue;
+            }
             *slot = vb_files::read(&path, MAX_BYTES).map_err(|source| SuiteError::Read {
                 path,
                 hint: "each world needs world.yaml, elevation.png, semantics.yaml, obstacles.yaml and tasks.yaml",
                 source,
             })?;
+            if *part == Part::Beds && slot.is_empty() {
+                return Err(SuiteError::invalid(
+                    &folder.join(part.file_name()),
+                    "beds",
+                    "the file is empty: restore it, or remove it from a world without beds",
+                ));
+            }
         }
         Ok(files)
+    }
+
+    /// The files that the world has.
+    fn there(&self) -> impl Iterator<Item = (&Part, &Vec<u8>)> {
+        Part::ALL.iter().zip(&self.0).filter(|(part, bytes)| **part != Part::Beds || !bytes.is_empty())
     }
 
     /// Writes the files into a world's folder, which is made.
     pub(crate) fn write(&self, folder: &Path) -> Result<(), SuiteError> {
         std::fs::create_dir_all(folder).map_err(|e| SuiteError::write(folder, e))?;
-        for (part, bytes) in Part::ALL.iter().zip(&self.0) {
+        for (part, bytes) in self.there() {
             let path = folder.join(part.file_name());
             std::fs::write(&path, bytes).map_err(|e| SuiteError::write(&path, e))?;
         }
@@ -59,7 +77,7 @@ impl WorldFiles {
     /// levels, so that the compressor does not matter. Line ends count as LF: a checkout that turned them into CR LF is the same world.
     pub(crate) fn hash(&self) -> String {
         let mut hasher = Hash::new();
-        for (part, bytes) in Part::ALL.iter().zip(&self.0) {
+        for (part, bytes) in self.there() {
             let unified = match part {
                 // What is no image has some other hash, whatever it is.
                 Part::Elevation => elevation::content(bytes),
@@ -84,7 +102,7 @@ impl WorldFiles {
 
     /// The world that the files hold, whose values may make no sense. `folder` is for messages.
     pub(crate) fn parse(&self, folder: &Path) -> Result<World, SuiteError> {
-        let [world, image, semantics, obstacles, tasks] = &self.0;
+        let [world, image, semantics, obstacles, tasks, beds] = &self.0;
         let flaw = |f| SuiteError::flaw(folder, f);
         let (file, yaml) = document(folder, Part::World, world)?;
         check_schema(&file, yaml)?;
@@ -99,8 +117,25 @@ impl WorldFiles {
         let obstacles = text::parse::<ObstaclesDocument>(&file, yaml)?.into_obstacles().map_err(flaw)?;
         let (file, yaml) = document(folder, Part::Tasks, tasks)?;
         let tasks = text::parse::<TasksDocument>(&file, yaml)?.tasks;
+        let beds = if beds.is_empty() {
+            Vec::new()
+        } else {
+            let (file, yaml) = document(folder, Part::Beds, beds)?;
+            text::parse::<BedsDocument>(&file, yaml)?.into_beds().map_err(flaw)?
+        };
         let WorldDocument { id, elevation, terrain, density, .. } = world;
-        Ok(World { id, elevation, terrain, density, scale: 1.0, heightfield, semantics, obstacles, tasks })
+        Ok(World {
+            id,
+            elevation,
+            terrain,
+            density,
+            scale: 1.0,
+            heightfield,
+            semantics,
+            obstacles,
+            tasks,
+            beds,
+        })
     }
 }
 

@@ -24,6 +24,7 @@ fn world(obstacles: Vec<Obstacle>) -> World {
             soil: vb_world::SoilLevels::default(),
         },
         obstacles,
+        beds: Vec::new(),
         tasks: vec![Task {
             id: "t00".into(),
             start: Pose2 { x: -3.5, y: -1.0, yaw: 0.3 },

@@ -34,6 +34,7 @@ fn suite() -> (tempfile::TempDir, Suite) {
             },
             obstacles: Vec::new(),
             tasks: (0..if k == 11 { 4 } else { 3 }).map(task).collect(),
+            beds: Vec::new(),
         }
     };
     let dir = tempfile::tempdir().unwrap();

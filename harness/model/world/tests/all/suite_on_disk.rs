@@ -52,6 +52,7 @@ fn world(id: &str) -> World {
                 kind: ObstacleKind::Trunk { radius: 0.5, height: 5.0 },
             },
         ],
+        beds: Vec::new(),
         tasks: vec![
             Task {
                 id: "t00".into(),

@@ -10,11 +10,13 @@
 //! points along a span towards the rear. Taken at the wheels' centres together with the sprocket's reaction on the hull
 //! these forces have the moment of the thrust about every point, which is what the equations of motion need.
 
+mod granular;
 mod soil;
 mod span;
 
 use super::contact::Forces;
 use super::design::{Design, Track};
+use super::granular::Wrench;
 use super::ground::Ground;
 use super::kinematics::{Kinematics, Placement};
 use super::state::{Belt, Contacts};
@@ -77,12 +79,13 @@ pub(super) fn carry_shear(tracks: &[Track], belts: &[Belt], contacts: &mut [Cont
     }
 }
 
-/// Adds the forces of ground, obstacles and tension on the belts to those on their wheels. `laid` is a buffer for how the
-/// belts lie.
+/// Adds the forces of ground, obstacles and tension on the belts to those on their wheels. `grains` is what granular beds do to the
+/// spans of the belts, if there are any. `laid` is a buffer for how the belts lie.
 pub(super) fn pull_tracks(
     design: &Design,
     kinematics: &Kinematics<'_>,
     ground: &mut Ground<'_>,
+    mut grains: &[Wrench],
     belts: &mut [Belt],
     laid: &mut [Laid],
     forces: &mut [Forces],
@@ -100,6 +103,10 @@ pub(super) fn pull_tracks(
         step.touch_spans(kinematics, ground, under, dt);
         if !ground.soil.is_empty() {
             step.press_soil(kinematics, ground, under, dt);
+        }
+        if let Some((own, others)) = grains.split_at_checked(track.count() - 1) {
+            step.press_grains(kinematics, own);
+            grains = others;
         }
         step.pull(turn, dt);
     }

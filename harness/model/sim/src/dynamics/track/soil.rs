@@ -98,7 +98,7 @@ impl TrackStep<'_> {
         under: Under,
         dt: f64,
     ) {
-        if under != Under::Rigid {
+        if under.has_soil() {
             self.outline(kinematics);
         }
         let Kinematics { body, turn, placements, .. } = kinematics;

@@ -132,7 +132,7 @@ impl TrackStep<'_> {
         let look = ground.obstacles.any_near();
         for j in 0..self.belt.spans.len() {
             let touch = match under {
-                Under::Soil(_) => None,
+                Under::Soil(_) | Under::Granular => None,
                 _ => self.ground_touch(j, kinematics, ground, under),
             };
             let before = self.belt.spans[j].ground;

@@ -159,7 +159,7 @@ impl Footprint<WHEEL> {
         let below = surface.at(motion.hub.x, motion.hub.y);
         let normal = normal_of([below.dzdx, below.dzdy]);
         let height = (motion.hub.z - below.z) * normal.z;
-        let near = height < self.shape.near && under != Under::Rigid;
+        let near = height < self.shape.near && under.has_soil();
         let frame = motion
             .axis
             .cross(&normal)
@@ -226,7 +226,7 @@ impl Footprint<TRACK> {
         self.belt = belt;
         let below = surface.at(motion.hub.x, motion.hub.y);
         let normal = normal_of([below.dzdx, below.dzdy]);
-        let near = motion.hub.z - below.z < self.shape.near && under != Under::Rigid;
+        let near = motion.hub.z - below.z < self.shape.near && under.has_soil();
         let frame = Some(Frame { along, axis: motion.axis, up }).filter(|f| near && f.up.z > 0.1);
         let step = frame.map(|frame| Step { surface, under, motion, frame, normal, dt });
         self.advance(ground, motion, step)

@@ -1,0 +1,152 @@
+//! Granular beds of a world under a vehicle, whose wheels, belts and hull are bodies among the grains.
+//!
+//! The crate `vb_granular` has model and coupling. Here beds are placed in the world and get the motions of all bodies in every step;
+//! what they do to the bodies acts on the equations of motion of the same step. A bed rests, as it is, while no body is near it.
+
+use crate::V3;
+use crate::error::SimError;
+use std::sync::Arc;
+use vb_granular::{Bed, Bin, Motion, Packing, Reaction, Settings, Tool};
+use vb_world::{GranularBed, World};
+
+/// Stiffness of a contact at full scale, N/m: at the least radius of `gravel` seven steps of the grains go into one of the vehicle.
+const STIFFNESS: f64 = 3e5;
+/// Distance from wheels, belts and hull beyond which grains at rest don't move, at full scale, m: three times the depth to which a wheel
+/// of a car shears gravel.
+const REACH: f64 = 0.3;
+
+/// The beds of a world as they were filled, at rest.
+pub(crate) type Packings = Arc<[Packing]>;
+
+/// Fills the beds of a world.
+pub(crate) fn fill(world: &World) -> Packings {
+    let fill = |bed: &GranularBed| {
+        let settings = settings(world.scale, FILLING);
+        // Worlds are checked: a bed that has no room for its grains is left empty.
+        Packing::tiled(&bed.material, bin(bed), bed.seed, settings)
+            .unwrap_or(Packing { bin: bin(bed), grains: Vec::new() })
+    };
+    world.beds.iter().map(fill).collect()
+}
+
+/// The step in which beds are filled at full scale, s.
+const FILLING: f64 = 1e-3;
+
+fn bin(bed: &GranularBed) -> Bin {
+    Bin { length: bed.length, width: bed.width, depth: bed.depth }
+}
+
+/// In a world of another scale a contact yields in proportion to the grain: stiffness × length is proportional to the weight.
+fn settings(scale: f64, step: f64) -> Settings {
+    Settings { step, stiffness: STIFFNESS * scale * scale, reach: REACH * scale }
+}
+
+/// The beds of a world and the bodies of a vehicle among their grains.
+#[derive(Clone)]
+pub(crate) struct Beds {
+    beds: Vec<Placed>,
+    /// On each body, in the last step.
+    reactions: Vec<Reaction>,
+    /// Distances from the centres of the bodies within which they lie, m.
+    bounds: Vec<f64>,
+    reach: f64,
+}
+
+#[derive(Clone)]
+struct Placed {
+    bed: Bed,
+    /// The middle of its floor in the world, m.
+    floor_world: V3,
+    /// Half of its length and width, m.
+    half: [f64; 2],
+    /// Height of the fill above the floor, m.
+    depth: f64,
+}
+
+impl Beds {
+    /// `tools` makes the bodies of the vehicle for grains of a mean radius (m).
+    ///
+    /// # Errors
+    /// Returns [`SimError::Grains`] for grains that are larger than the smallest wheel, of `radius` (m).
+    pub(crate) fn new(
+        world: &World,
+        packings: &[Packing],
+        tools: impl Fn(f64) -> Vec<Tool>,
+        radius: f64,
+        step: f64,
+    ) -> Result<Self, SimError> {
+        let mut bounds = Vec::new();
+        let mut place = |(described, packing): (&GranularBed, &Packing)| {
+            let grain = described.material.radius[1];
+            if grain > radius {
+                return Err(SimError::Grains { world: world.id.clone(), grain, wheel: radius });
+            }
+            let settings = settings(world.scale, step);
+            let top = world.heightfield.height(described.x, described.y);
+            let tools = tools(described.material.mean_radius());
+            bounds = tools.iter().map(|tool| tool.shape.bound()).collect();
+            Ok(Placed {
+                bed: Bed::new(packing, &described.material, tools, settings),
+                floor_world: V3::new(described.x, described.y, top - described.depth),
+                half: [0.5 * described.length, 0.5 * described.width],
+                depth: described.depth,
+            })
+        };
+        let beds = world.beds.iter().zip(packings).map(&mut place).collect::<Result<_, _>>()?;
+        let reactions = vec![Reaction::default(); bounds.len()];
+        Ok(Self { beds, reactions, bounds, reach: REACH * world.scale })
+    }
+
+    #[cfg(test)]
+    pub(crate) fn none() -> Self {
+        Self { beds: Vec::new(), reactions: Vec::new(), bounds: Vec::new(), reach: 0.0 }
+    }
+
+    /// The number of bodies of which [`Self::step`] wants the motion.
+    pub(crate) fn bodies(&self) -> usize {
+        self.bounds.len()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.beds.is_empty()
+    }
+
+    /// Height of a bed's surface before anything moved in it, m; none where there is no bed.
+    pub(crate) fn surface(&self, x: f64, y: f64) -> Option<f64> {
+        let covers = |bed: &&Placed| {
+            (x - bed.floor_world.x).abs() <= bed.half[0] && (y - bed.floor_world.y).abs() <= bed.half[1]
+        };
+        self.beds.iter().find(covers).map(|bed| bed.floor_world.z + bed.depth)
+    }
+
+    /// The grains of all beds: centre in the world, m, and radius, m.
+    pub(crate) fn grains(&self) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
+        self.beds.iter().flat_map(|bed| {
+            bed.bed.grains().map(|grain| ((bed.floor_world + grain.position).into(), grain.radius))
+        })
+    }
+
+    /// Advances the beds near the bodies by a step and returns what they do to each body.
+    pub(crate) fn step(&mut self, motions_world: &[Motion]) -> &[Reaction] {
+        self.reactions.fill(Reaction::default());
+        for placed in &mut self.beds {
+            let near = |(motion, bound): (&Motion, &f64)| {
+                let way = motion.position - placed.floor_world;
+                let within = bound + self.reach;
+                way.x.abs() < placed.half[0] + within
+                    && way.y.abs() < placed.half[1] + within
+                    && way.z < placed.depth + within
+            };
+            if !motions_world.iter().zip(&self.bounds).any(near) {
+                continue;
+            }
+            let moved = |m: &Motion| Motion { position: m.position - placed.floor_world, ..*m };
+            let motions: Vec<Motion> = motions_world.iter().map(moved).collect();
+            for (sum, reaction) in self.reactions.iter_mut().zip(placed.bed.step(&motions)) {
+                sum.impulse += reaction.impulse;
+                sum.moment += reaction.moment;
+            }
+        }
+        &self.reactions
+    }
+}
