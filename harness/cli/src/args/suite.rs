@@ -114,11 +114,17 @@ pub(crate) struct GenerateArgs {
     #[command(flatten)]
     pub(crate) drawn: DrawnArgs,
     /// Number of worlds
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=999))]
-    pub(crate) worlds: u32,
-    /// Generator rules; default: tasks/generator/default.yaml
+    #[arg(
+        long, value_name = "N", required_unless_present = "granular",
+        value_parser = clap::value_parser!(u32).range(1..=999)
+    )]
+    pub(crate) worlds: Option<u32>,
+    /// Generator rules; default: tasks/generator/default.yaml, or granular.yaml there with --granular
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
+    /// Generate granular beds that two tasks each cross; the rules list the beds
+    #[arg(long, conflicts_with_all = ["worlds", "training", "calibrate"])]
+    pub(crate) granular: bool,
     /// Generate training worlds, with a seed from 7000 to 7999; other suites can't use these seeds
     #[arg(long)]
     pub(crate) training: bool,
@@ -131,6 +137,13 @@ pub(crate) struct GenerateArgs {
     pub(crate) calibrate: Option<String>,
     #[command(flatten)]
     pub(crate) calibration: CalibrationArgs,
+}
+
+impl GenerateArgs {
+    /// The number of worlds, which clap requires where it is used.
+    pub(crate) fn worlds(&self) -> u32 {
+        self.worlds.unwrap_or(0)
+    }
 }
 
 #[derive(Debug, Args)]

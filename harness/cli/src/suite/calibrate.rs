@@ -98,7 +98,7 @@ pub(super) fn calibrate(args: &GenerateArgs, vehicle: &str) -> Result<(), CliErr
         plugin: plugin(args)?,
         plugin_params: &args.calibration.plugin_params,
         seed: args.drawn.seed,
-        worlds_per_level: args.worlds,
+        worlds_per_level: args.worlds(),
         targets_percent: &args.calibration.targets,
         chosen: chosen.clone(),
         tried: &tried,
@@ -179,7 +179,7 @@ fn evaluate(
     // Whole tenths of a millimetre, which the parameter file has, too.
     let std = (std * 1e4).round() / 1e4;
     params.elevation.std.set(level, std);
-    let worlds = args.worlds as usize;
+    let worlds = args.worlds() as usize;
     let generator = Generator { rules: &params, model, seed: args.drawn.seed, worlds: 3 * worlds };
     let name = format!("{}-{factor:.3}", level.name());
     // Other rules, and another generator, make other worlds: they have another name.

@@ -18,6 +18,7 @@ use vb_catalog::CatalogError;
 use vb_files::Document;
 use vb_record::NewFolder;
 use vb_suite::generate::{Generator, GeneratorParams, TRAINING_SEEDS};
+use vb_suite::granular::{GranularParams, GranularSuite};
 use vb_world::{Density, Elevation, Suite, SuiteMeta, SuiteWriter, TaskId, Terrain, World, WorldInfo};
 
 use crate::args::{DrawnArgs, GenerateArgs, MessageFormat, SuiteCommand, TasksArgs, TasksCommand};
@@ -142,14 +143,26 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
     if let Some(vehicle) = &args.calibrate {
         return calibrate::calibrate(args, vehicle);
     }
+    if args.granular {
+        return granular(args);
+    }
     let params = rules::<GeneratorParams>(args.params.as_deref())?;
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
-    let (drawn, worlds) = (&args.drawn, args.worlds as usize);
+    let (drawn, worlds) = (&args.drawn, args.worlds() as usize);
     keep_apart(drawn.seed, args.training)?;
     let generator = Generator { rules: &params, model: &model, seed: drawn.seed, worlds };
     let meta = generator.meta(&name(drawn), &drawn.suite_version);
     let told = |index, world: &WorldInfo| output::note(&format!("[{}/{worlds}] {}", index + 1, world.id));
     make(&drawn.out, |dir| Ok(generator.write(dir, meta, told)?))
+}
+
+fn granular(args: &GenerateArgs) -> Result<(), CliError> {
+    let drawn = &args.drawn;
+    must_be_free(&drawn.out)?;
+    let params = rules::<GranularParams>(args.params.as_deref())?;
+    let suite = GranularSuite::new(&params, args.params.as_deref(), drawn.seed).map_err(CliError::input)?;
+    let worlds = suite.worlds().map_err(CliError::input)?;
+    write(&drawn.out, suite.meta(&name(drawn), &drawn.suite_version), worlds.into_iter().map(Ok))
 }
 
 /// Refuses a seed of training worlds for a suite that judges planners, and the other way round.

@@ -12,7 +12,7 @@ pub(super) struct Fingerprints {
 
 struct Fingerprint {
     id: String,
-    /// Ground, obstacles and tasks.
+    /// Ground, obstacles, beds and tasks.
     rest: u64,
     heights: u64,
     /// The same for heights that are turned or mirrored.
@@ -23,13 +23,16 @@ impl Fingerprints {
     /// Takes a world in, and says of which earlier one it is a double.
     pub(super) fn add(&mut self, world: &World, findings: &mut Findings<'_>) {
         let [heights, shape] = fingerprint(&world.heightfield);
-        let rest = hash(&format!("{:?} {:?} {:?}", world.semantics, world.obstacles, world.tasks));
+        let rest =
+            hash(&format!("{:?} {:?} {:?} {:?}", world.semantics, world.obstacles, world.tasks, world.beds));
         let new = Fingerprint { id: world.id.clone(), rest, heights, shape };
         let twin = |same: &dyn Fn(&Fingerprint) -> bool| self.seen.iter().find(|f| same(f)).map(|f| &f.id);
         if let Some(id) = twin(&|f| (f.heights, f.rest) == (heights, rest)) {
             let problem =
-                format!("heights, ground, obstacles and tasks are those of {id}: drop one of the two");
+                format!("heights, ground, obstacles, beds and tasks are those of {id}: drop one of the two");
             findings.error(Rule::Content, Part::World, "id", &problem);
+        } else if world.heightfield.range().0 == world.heightfield.range().1 {
+            // All level surfaces are equal.
         } else if let Some(id) = twin(&|f| f.heights == heights) {
             let problem = format!("has the heights of {id}: take another surface, or drop one of the two");
             findings.warn(Rule::Content, Part::Elevation, "heights", &problem);
