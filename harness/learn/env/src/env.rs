@@ -205,6 +205,7 @@ impl Env {
         let sim = running.episode.simulation();
         let path: Vec<[f64; 2]> = running.brief.path.iter().map(|p| [p.x, p.y]).collect();
         let trail: Vec<[f64; 3]> = running.way.iter().map(|p| p.map(f64::from)).collect();
+        let grains: Vec<([f64; 3], f64)> = sim.grains().collect();
         let moment = Moment {
             state: &sim.state(),
             turned: &running.turned,
@@ -213,6 +214,7 @@ impl Env {
             path: &path,
             trail: &trail,
             change: Some(&|x, y| sim.soil_change(x, y)),
+            grains: &grains,
             colour: None,
         };
         Ok(self.arena.painter(&running.start).picture(view, size, &moment)?)

@@ -115,32 +115,52 @@ impl Neighbours {
             }
             self.places.clone_from(&grains.position);
             self.tools = motions.to_vec();
-            self.wake(grains, tools, motions);
-            self.look(grains, tools, motions, walls);
+            let near = self.wake(grains, tools, motions);
+            self.look(grains, &near, tools, motions, walls);
         }
     }
 
-    /// Finds out which grains move; the others are stopped.
-    fn wake(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion]) {
-        let near = |x: &V3| {
-            let within = |(tool, motion): (&Tool, &Motion)| tool.shape.may_reach(x, motion, self.reach);
-            self.reach.is_infinite() || tools.iter().zip(motions).any(within)
-        };
-        let moves = |i: usize| near(&grains.position[i]) || grains.velocity[i].norm_squared() > REST * REST;
-        self.moves = (0..grains.position.len()).map(moves).collect();
+    /// Finds out which grains move, and stops the others. It returns those that may be neighbours of grains that move.
+    fn wake(&mut self, grains: &mut Grains, tools: &[Tool], motions: &[Motion]) -> Vec<u32> {
+        let count = grains.position.len();
         self.moving.clear();
-        for (i, moves) in self.moves.iter().enumerate() {
-            if *moves {
+        if self.reach.is_infinite() {
+            self.moves = vec![true; count];
+            self.moving.extend(0..count as u32);
+            return self.moving.clone();
+        }
+        let contains = |[low, high]: &[V3; 2], x: &V3| (0..3).all(|k| x[k] > low[k] && x[k] < high[k]);
+        let extents: Vec<[V3; 2]> =
+            tools.iter().zip(motions).map(|(tool, motion)| tool.shape.extent(motion, self.reach)).collect();
+        let empty = [V3::repeat(f64::INFINITY), V3::repeat(f64::NEG_INFINITY)];
+        let mut whole = extents.iter().fold(empty, |[low, high], [l, h]| [low.inf(l), high.sup(h)]);
+        let near = |x: &V3| {
+            let within = |((tool, motion), extent): ((&Tool, &Motion), &[V3; 2])| {
+                contains(extent, x) && tool.shape.may_reach(x, motion, self.reach)
+            };
+            contains(&whole, x) && tools.iter().zip(motions).zip(&extents).any(within)
+        };
+        self.moves.clear();
+        let mut moving = empty;
+        for i in 0..count {
+            let x = grains.position[i];
+            let moves = grains.velocity[i].norm_squared() > REST * REST || near(&x);
+            self.moves.push(moves);
+            if moves {
                 self.moving.push(i as u32);
+                moving = [moving[0].inf(&x), moving[1].sup(&x)];
             } else {
                 (grains.velocity[i], grains.spin[i]) = (V3::zeros(), V3::zeros());
             }
         }
+        let around = V3::repeat(self.diameter + self.skin);
+        whole = [moving[0] - around, moving[1] + around];
+        (0..count as u32).filter(|&i| contains(&whole, &grains.position[i as usize])).collect()
     }
 
-    fn look(&mut self, grains: &Grains, tools: &[Tool], motions: &[Motion], walls: &Walls) {
+    fn look(&mut self, grains: &Grains, near: &[u32], tools: &[Tool], motions: &[Motion], walls: &Walls) {
         let moves = &self.moves;
-        let cells = Cells::new(&grains.position, self.diameter + self.skin);
+        let cells = Cells::new(&grains.position, near, self.diameter + self.skin);
         let before = merged(std::mem::take(&mut self.grains), std::mem::take(&mut self.asleep.0));
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for &i in &self.moving {
@@ -224,9 +244,11 @@ struct Cells {
 }
 
 impl Cells {
-    fn new(positions: &[V3], side: f64) -> Self {
-        let low = positions.iter().fold(V3::repeat(f64::INFINITY), |low, x| low.inf(x));
-        let high = positions.iter().fold(V3::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
+    /// Of the grains of some numbers.
+    fn new(positions: &[V3], numbers: &[u32], side: f64) -> Self {
+        let places = || numbers.iter().map(|&i| positions[i as usize]);
+        let low = places().fold(V3::repeat(f64::INFINITY), |low, x| low.inf(&x));
+        let high = places().fold(V3::repeat(f64::NEG_INFINITY), |high, x| high.sup(&x));
         // A grain that is thrown far away must not make the grid large.
         const MOST: f64 = 512.0;
         let counts = [0, 1, 2].map(|k| (((high[k] - low[k]) / side).clamp(0.0, MOST) as usize) + 1);
@@ -235,9 +257,9 @@ impl Cells {
             side,
             counts,
             starts: vec![0; counts.iter().product::<usize>() + 1],
-            grains: vec![0; positions.len()],
+            grains: vec![0; numbers.len()],
         };
-        let of: Vec<usize> = positions.iter().map(|x| cells.index(cells.cell(x))).collect();
+        let of: Vec<usize> = places().map(|x| cells.index(cells.cell(&x))).collect();
         for &cell in &of {
             cells.starts[cell + 1] += 1;
         }
@@ -245,8 +267,8 @@ impl Cells {
             cells.starts[cell] += cells.starts[cell - 1];
         }
         let mut next = cells.starts.clone();
-        for (grain, &cell) in of.iter().enumerate() {
-            cells.grains[next[cell] as usize] = grain as u32;
+        for (&grain, &cell) in numbers.iter().zip(&of) {
+            cells.grains[next[cell] as usize] = grain;
             next[cell] += 1;
         }
         cells

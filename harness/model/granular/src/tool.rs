@@ -94,6 +94,20 @@ impl Shape {
         Some(Self::Convex(Box::new(Convex { solid, low, high })))
     }
 
+    /// Lowest and highest coordinates of the body, and of what is within a distance of it, m.
+    pub(crate) fn extent(&self, motion: &Motion, distance: f64) -> [V3; 2] {
+        let sphere = V3::repeat(self.bound());
+        let (low, high) = match self {
+            Self::Wheel { .. } => (-sphere, sphere),
+            Self::Box { half } => (-half, *half),
+            Self::Convex(convex) => (convex.low, convex.high),
+        };
+        let turn = motion.rotation.to_rotation_matrix();
+        let middle = motion.position + turn * (0.5 * (low + high));
+        let half = turn.matrix().abs() * (0.5 * (high - low)) + V3::repeat(distance);
+        [middle - half, middle + half]
+    }
+
     /// Whether a point may be within a distance of the surface, m; whatever is farther away than its box is not.
     pub(crate) fn may_reach(&self, x: &V3, motion: &Motion, distance: f64) -> bool {
         let way = x - motion.position;

@@ -63,6 +63,7 @@ fn draw(c: &mut Criterion) {
         path: &task.path,
         trail: &trail,
         change: Some(&untouched),
+        grains: &[],
         colour: None,
     };
     let mut group = c.benchmark_group("picture");

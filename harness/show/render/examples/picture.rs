@@ -54,6 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         state.position.z += number("lift").unwrap_or(0.0);
     }
     let change = |x: f64, y: f64| sim.soil_change(x, y);
+    let grains: Vec<([f64; 3], f64)> = sim.grains().collect();
     let moment = Moment {
         state: &state,
         turned: &turned,
@@ -62,6 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         path: &task.path,
         trail: &trail,
         change: Some(&change),
+        grains: &grains,
         colour: None,
     };
     let painter = Painter::new(&world, &model);

@@ -4,7 +4,7 @@ use crate::V3;
 use crate::camera::Spot;
 use crate::canvas::{Canvas, Faces, GROUND, solid};
 use crate::light::{FOG, HAZE};
-use vb_world::Heightfield;
+use vb_world::{GranularBed, Heightfield};
 
 /// Cells along a side of a block.
 const CELLS: usize = 16;
@@ -60,7 +60,8 @@ impl Ground {
         Self { blocks }
     }
 
-    pub(crate) fn draw(&self, canvas: &mut Canvas, field: &Heightfield) {
+    /// Draws the ground but the cells within granular beds.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, field: &Heightfield, beds: &[GranularBed]) {
         let camera = canvas.camera;
         let seen: Vec<(&Block, usize)> = self
             .blocks
@@ -82,7 +83,7 @@ impl Ground {
         let mut nodes = Nodes::default();
         for (block, stride) in seen {
             let hang = if even { 0.0 } else { stride as f64 * field.resolution() };
-            block.draw(canvas, field, stride, hang, &mut nodes);
+            block.draw(canvas, field, beds, stride, hang, &mut nodes);
         }
     }
 
@@ -113,7 +114,15 @@ impl Ground {
 }
 
 impl Block {
-    fn draw(&self, canvas: &mut Canvas, field: &Heightfield, stride: usize, hang: f64, nodes: &mut Nodes) {
+    fn draw(
+        &self,
+        canvas: &mut Canvas,
+        field: &Heightfield,
+        beds: &[GranularBed],
+        stride: usize,
+        hang: f64,
+        nodes: &mut Nodes,
+    ) {
         let camera = canvas.camera;
         let steps = |[from, to]: [usize; 2]| {
             (from..to).step_by(stride).chain(std::iter::once(to)).collect::<Vec<usize>>()
@@ -141,6 +150,12 @@ impl Block {
         let n = cols.len();
         for row in 1..rows.len() {
             for col in 1..n {
+                let corner = |row: usize, col: usize| point(field, rows[row], cols[col]);
+                let (low, high) = (corner(row - 1, col - 1), corner(row, col));
+                let within = |bed: &GranularBed| bed.contains(low.x, low.y) && bed.contains(high.x, high.y);
+                if beds.iter().any(within) {
+                    continue;
+                }
                 let (sw, nw) = ((row - 1) * n + col - 1, row * n + col - 1);
                 triangle(nodes, [sw, sw + 1, nw + 1]);
                 triangle(nodes, [sw, nw + 1, nw]);
@@ -178,7 +193,7 @@ mod tests {
         let eye = V3::new(-50.0, 0.0, 6.0);
         let camera = Camera::looking(eye, eye + V3::new(1.0, 0.0, -0.4), 0.8, 0.2, [320, 240]);
         let mut canvas = Canvas::new(camera);
-        Ground::new(&field).draw(&mut canvas, &field);
+        Ground::new(&field).draw(&mut canvas, &field, &[]);
         let samples = canvas.exposed();
         // What is 114 m away at the world's end is 5.6 to 6 m below the eye: 2.8 to 3.1 degrees. The picture's middle is
         // 21.8 degrees below the horizon, and its focal length 284 samples: the end is in row 24 or above.
@@ -194,7 +209,7 @@ mod tests {
             let field = Heightfield::flat(n, n, resolution, 0.0);
             let camera = Camera::above(V3::new(0.0, 0.0, 10.0), 2.0, [256, 256]);
             let mut canvas = Canvas::new(camera);
-            Ground::new(&field).draw(&mut canvas, &field);
+            Ground::new(&field).draw(&mut canvas, &field, &[]);
             canvas.count()
         };
         // Cells of 2 samples stand for 8 × 8 of them, as cells of 1 sample for 16 × 16.

@@ -14,6 +14,7 @@ mod canvas;
 mod develop;
 mod eight;
 mod error;
+mod grains;
 mod ground;
 mod light;
 mod marks;

@@ -4,6 +4,7 @@ use crate::camera::{Lens, Sight, View, along, chase, top_down};
 use crate::canvas::{Canvas, Triangles};
 use crate::develop::{Grain, Look};
 use crate::error::RenderError;
+use crate::grains;
 use crate::ground::Ground;
 use crate::light::Shadow;
 use crate::marks::Marks;
@@ -74,6 +75,8 @@ pub struct Moment<'a> {
     pub trail: &'a [[f64; 3]],
     /// The change of the ground by ruts and heaps, which darken and brighten it, if it is known.
     pub change: Option<&'a Change<'a>>,
+    /// The grains of granular beds: centres and radii in the world, m. Without any, beds look like the ground around them.
+    pub grains: &'a [([f64; 3], f64)],
     /// The colour of the vehicle's bodywork and of the trail, red, green and blue in sRGB: that of the run, where several are shown. If
     /// it is left out, they are blue.
     pub colour: Option<[u8; 3]>,
@@ -188,7 +191,11 @@ impl Painter {
         let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         let triangles = spare().pop().unwrap_or_default();
         let mut canvas = Canvas::reusing(triangles, camera);
-        self.ground.draw(&mut canvas, field);
+        let beds = if moment.grains.is_empty() { &[][..] } else { &self.world.beds[..] };
+        self.ground.draw(&mut canvas, field, beds);
+        if !beds.is_empty() {
+            grains::draw(&mut canvas, &self.world, moment.grains);
+        }
         if matches!(camera.lens, Lens::Pinhole { .. }) {
             Ground::surround(&mut canvas, field, unit);
         }
@@ -269,6 +276,7 @@ mod tests {
             path: &[[-10.0, 0.0], [10.0, 4.0]],
             trail: &[[-15.0, 2.0, 0.5], [-5.0, 2.0, 0.5]],
             change: Some(&change),
+            grains: &[],
             colour: None,
         };
         let size = Size { width: 203, height: 120 };

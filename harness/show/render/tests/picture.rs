@@ -43,6 +43,7 @@ fn moment(state: &VehicleState) -> Moment<'_> {
         path: &[],
         trail: &[],
         change: None,
+        grains: &[],
         colour: None,
     }
 }

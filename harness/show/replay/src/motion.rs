@@ -11,6 +11,7 @@ use vb_trial::{commanded_gear, sample};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 use vb_world::{Task, World};
 
+use crate::grains::Grains;
 use crate::sensed::{Sensed, Sensors};
 
 /// Time between the frames of a repeated simulation, s.
@@ -96,6 +97,8 @@ pub struct Motion {
     pub ruts: Vec<Rut>,
     /// The side of the cells in which ruts are told, m; 0 from samples.
     pub soil_resolution: f64,
+    /// The grains of granular beds; none from samples.
+    pub grains: Grains,
 }
 
 /// What a simulation takes beside the trace.
@@ -139,8 +142,10 @@ impl Motion {
             contacts: Vec::new(),
             ruts: Vec::new(),
             soil_resolution: sim.soil_resolution(),
+            grains: Grains::of(&sim),
         };
         let mut told = BTreeMap::new();
+        let mut told_grains = motion.grains.start.clone();
         let mut angles = vec![0.0; motion.wheels];
         let mut commands = trace.samples.iter().peekable();
         let mut controls = Controls::default();
@@ -175,8 +180,10 @@ impl Motion {
             }
             if k % LOOK_AT_RUTS == 0 || k == samples {
                 motion.look_at_ruts(&sim, &mut told);
+                motion.grains.look(&sim, &mut told_grains);
             }
         }
+        motion.grains = motion.grains.seen(setting.world);
         (hash.hex() == state_hash).then_some((motion, sensed))
     }
 
@@ -194,6 +201,7 @@ impl Motion {
             contacts: Vec::new(),
             ruts: Vec::new(),
             soil_resolution: 0.0,
+            grains: Grains::default(),
         };
         let mut angles = vec![0.0; trace.wheels];
         let mut last = 0.0;

@@ -136,6 +136,15 @@ pub(crate) fn ground(world: &World) -> (usize, usize, [f64; 2], Vec<f64>) {
     (rows, cols, resolution, heights)
 }
 
+/// The granular beds: corners, the heights of floor and ground there, m, and the colour of the grains.
+fn beds(world: &World) -> Vec<Value> {
+    let bed = |bed: &vb_world::GranularBed| {
+        let top = world.heightfield.height(bed.x, bed.y);
+        json!({"corners": bed.corners(), "heights": [top - bed.depth, top], "colour": bed.material.class.colour()})
+    };
+    world.beds.iter().map(bed).collect()
+}
+
 impl Replay {
     /// The name of the task in its suite.
     #[must_use]
@@ -180,6 +189,7 @@ impl Replay {
                 "labels": s.classes.iter().map(|c| char::from(b'0' + c.label())).collect::<String>(),
                 "classes": classes,
             },
+            "beds": beds(world),
             "stones": bodies(false),
             "trunks": bodies(true),
             "start": [task.start.x, task.start.y, task.start.yaw],
@@ -301,6 +311,7 @@ fn run(run: &ReplayRun, world: &World) -> Value {
         "wheel_count": m.wheels,
         "wheels": wheels,
         "ruts": ruts(m, world),
+        "grains": m.grains.json(length, TIME),
         "contact": contact,
         "vehicle": vehicle(spec, length),
         "series": run.series.json(),

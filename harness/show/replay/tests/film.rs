@@ -48,6 +48,7 @@ fn run(label: &str, speed: f64, outcome: Outcome) -> ReplayRun {
             })
             .collect(),
         soil_resolution: 0.05,
+        grains: vb_replay::Grains::default(),
         frames,
     };
     let record = TaskRecord {
@@ -167,6 +168,7 @@ fn a_frame_is_the_painter_s_picture_of_the_moment() {
         path: &[[-10.0, 0.0], [12.0, 0.0]],
         trail: &trail,
         change: Some(&|_, _| None),
+        grains: &[],
         colour: Some(vb_replay::RUN_COLOURS[0]),
     };
     let wanted = painter.picture(View::Top { window: None }, SIZE, &moment).unwrap();

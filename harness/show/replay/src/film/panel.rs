@@ -12,6 +12,7 @@ use vb_world::World;
 use crate::film::caption::Said;
 use crate::film::ruts::Ruts;
 use crate::film::{Camera, V3, camera};
+use crate::grains::Grains;
 
 /// The side of the square that the camera above the vehicle sees, in lengths of the vehicle.
 const WINDOW: f64 = 9.0;
@@ -40,6 +41,7 @@ pub(crate) struct Panel {
     sights: Vec<Sight>,
     trail: Vec<[f64; 3]>,
     ruts: Ruts,
+    grains: Grains,
     view: View,
     colour: [u8; 3],
 }
@@ -110,6 +112,7 @@ impl Panel {
             turned: motion.wheel_frames.iter().map(|w| w.angle).collect(),
             leans: motion.frames.iter().map(|f| [f.roll, f.pitch]).collect(),
             ruts: Ruts::new(motion, world),
+            grains: motion.grains.clone(),
             painter,
             states,
             sights,
@@ -175,6 +178,7 @@ impl Panel {
         let mut trail = self.trail[..=between.0].to_vec();
         trail.push(state.position.into());
         let change = |x: f64, y: f64| self.ruts.change(time, x, y);
+        let grains = self.grains.at(time);
         let moment = Moment {
             state: &state,
             turned: &turned,
@@ -183,6 +187,7 @@ impl Panel {
             path: &stage.path,
             trail: &trail,
             change: (!self.ruts.is_empty()).then_some(&change),
+            grains: &grains,
             colour: Some(self.colour),
         };
         self.painter.picture(view, size, &moment)

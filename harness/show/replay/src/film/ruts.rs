@@ -91,6 +91,7 @@ mod tests {
             contacts: Vec::new(),
             ruts: vec![rut(1.0, 0.05, 0.05, 0.02), rut(2.0, 0.05, 0.05, 0.07), rut(2.0, -4.95, 4.95, 0.01)],
             soil_resolution: 0.1,
+            grains: crate::Grains::default(),
         };
         let ruts = Ruts::new(&motion, &world);
         assert_eq!(ruts.change(0.9, 0.03, 0.08), None, "before the wheel came");

@@ -16,20 +16,33 @@ function contact(told) {
   return { load: at(0), slip: at(1), depth: at(2) };
 }
 
+// The time of each of `count` events, of which `steps` tells when how many happened.
+function timesOf(steps, count) {
+  const times = new Float32Array(count);
+  let from = 0;
+  for (let k = 0; k < steps.length; k += 2) {
+    times.fill(steps[k], from, from + steps[k + 1]);
+    from += steps[k + 1];
+  }
+  return times;
+}
+
 // The cells of the ground that yielded, in the order of time: when, where, and by how much the ground is higher there, m.
 function ruts(told) {
   const cells = unpack(told.cells);
   const count = cells.length / 3;
   const [x, y, change] = [0, 1, 2].map((which) => Float32Array.from({ length: count }, (_, k) => cells[3 * k + which]));
-  const times = new Float32Array(count);
-  let [from, deepest] = [0, 0];
-  const steps = unpack(told.steps);
-  for (let k = 0; k < steps.length; k += 2) {
-    times.fill(steps[k], from, from + steps[k + 1]);
-    from += steps[k + 1];
-  }
+  const times = timesOf(unpack(told.steps), count);
+  let deepest = 0;
   for (const v of change) deepest = Math.max(deepest, -v);
   return { count, side: told.side, times, x, y, change, deepest };
+}
+
+// The grains of granular beds: radii, places at the start, and the moves in the order of time, each with its grain.
+function grains({ radii, start, steps, moves }) {
+  const told = { radii: unpack(radii), start: unpack(start), moves: unpack(moves) };
+  told.times = timesOf(unpack(steps), told.moves.length / 4);
+  return told;
 }
 
 export const COLOURS = ['#2a6fb3', '#d07a1d', '#2c8c5a', '#8057b8', '#c0412b', '#168a92', '#8a6636', '#b94888'];
@@ -45,6 +58,7 @@ export function read() {
     run.wheels = unpackEach(run.wheels);
     run.contact = contact(run.contact);
     run.ruts = ruts(run.ruts);
+    run.grains = grains(run.grains);
     run.end = run.times[run.times.length - 1];
   });
   data.end = Math.max(...data.runs.map((r) => r.end));

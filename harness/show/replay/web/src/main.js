@@ -305,6 +305,11 @@ window.replay = {
   // The corners of the triangles of stones and of trunks.
   obstacles: () => stage.world.obstacles.children.map((body) => [...body.geometry.attributes.position.array]),
   ruts: () => stage.dug[followed]?.state ?? { cells: 0, sunk: 0 },
+  // The number of grains, and where one is.
+  grains: (k = 0) => {
+    const mesh = stage.grains[followed]?.mesh;
+    return { count: mesh?.count ?? 0, at: mesh && [...mesh.instanceMatrix.array.subarray(16 * k + 12, 16 * k + 15)] };
+  },
   map: () => ({ span: stage.span / stage.above.zoom, at: stage.pan.target.toArray(), free: Boolean(stage.free), camera: stage.camera.type }),
   project: (x, y, z) => stage.project(x, y, z),
   info: () => ({ ...stage.renderer.info.render }),

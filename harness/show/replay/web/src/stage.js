@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { deepest, Dug } from './dig.js';
+import { Grains, pitCells } from './grains.js';
 import { world as makeWorld } from './ground.js';
 import { number } from './address.js';
 import { Sensed } from './sensed.js';
@@ -38,6 +39,10 @@ export class Stage {
     this.wanted = { lidar: true, map: true, depth: true, estimate: true };
     this.deepest = deepest(data.runs);
     this.dug = data.runs.map(() => null);
+    // Of runs that are shown as they were sampled the grains are unknown: their beds look like the ground around them.
+    this.grains = data.runs.map((run) => (run.grains.radii.length ? new Grains(run, data.beds) : null));
+    for (const grains of this.grains) if (grains) this.scene.add(grains.group);
+    this.pits = pitCells(data.beds, data.ground);
     this.makeCameras();
   }
 
@@ -130,7 +135,10 @@ export class Stage {
     this.showRuns();
     this.dug.forEach((dug, i) => { if (dug) dug.group.visible = i === k; });
     this.showRuts();
-    this.world.leaveOut(this.dug[k]?.closed);
+    const { grains, pits, dug } = this;
+    grains.forEach((one, i) => { if (one) one.group.visible = i === k; });
+    const open = dug[k]?.closed;
+    this.world.leaveOut(grains[k] ? pits.map((pit, i) => pit || open?.[i] || 0) : open);
   }
 
   // Everything at a time.
@@ -139,6 +147,7 @@ export class Stage {
     this.time = time;
     for (const run of this.runs) run.show(time);
     this.showRuts();
+    this.grains[this.followed]?.show(time);
     const { at, turn } = this.runs[this.followed].pose(time);
     const moved = at.clone().sub(centre);
     centre.copy(at);
