@@ -5,8 +5,15 @@ use std::io::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// The folders in `harness` of this crate and of those of the workspace that it depends on.
-const CRATES: [&str; 6] =
-    ["base/files", "base/math", "learn/kernel", "model/sim", "model/vehicle", "model/world"];
+const CRATES: [&str; 7] = [
+    "base/files",
+    "base/math",
+    "learn/kernel",
+    "model/granular",
+    "model/sim",
+    "model/vehicle",
+    "model/world",
+];
 /// The libraries that compute a state, or read what is sent.
 const LIBRARIES: [&str; 10] = [
     "fearless_simd",

@@ -13,6 +13,7 @@ mod figures;
 mod films;
 mod full_disk;
 mod golden;
+mod granular;
 mod hybrid;
 mod imported;
 mod installed;

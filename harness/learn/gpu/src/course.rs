@@ -30,6 +30,8 @@ pub enum CourseError {
         "time_step: {0:?} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
     )]
     TimeStep(f64),
+    #[error("world {0} has granular beds, which GPU environments don't have: choose other tasks")]
+    Beds(String),
 }
 
 /// Tasks of a suite with one vehicle, by the rules of the benchmark.
@@ -64,6 +66,7 @@ impl Course {
         for id in vb_catalog::select(&suite, tasks)? {
             let world = match worlds.iter().position(|world| world.id == id.world()) {
                 Some(known) => known,
+                None if suite.has_beds(id.world()) => return Err(CourseError::Beds(id.world().to_owned())),
                 None => {
                     worlds.push(suite.load_world(id.world())?.at_scale(scale));
                     worlds.len() - 1

@@ -18,6 +18,18 @@ const REACH: f64 = 0.3;
 /// The beds of a world as they were filled, at rest.
 pub(crate) type Packings = Arc<[Packing]>;
 
+/// Checks that no grain of a world's beds is larger than a vehicle's smallest wheel, of `radius` (m) at the world's scale.
+///
+/// # Errors
+/// Returns [`SimError::Grains`] for the first bed with larger grains.
+pub fn check_grains(world: &World, radius: f64) -> Result<(), SimError> {
+    let largest = |bed: &GranularBed| bed.material.radius[1];
+    match world.beds.iter().map(largest).find(|grain| *grain > radius) {
+        Some(grain) => Err(SimError::Grains { world: world.id.clone(), grain, wheel: radius }),
+        None => Ok(()),
+    }
+}
+
 /// Fills the beds of a world.
 pub(crate) fn fill(world: &World) -> Packings {
     let fill = |bed: &GranularBed| {
@@ -76,23 +88,20 @@ impl Beds {
         step: f64,
     ) -> Result<Self, SimError> {
         let mut bounds = Vec::new();
-        let mut place = |(described, packing): (&GranularBed, &Packing)| {
-            let grain = described.material.radius[1];
-            if grain > radius {
-                return Err(SimError::Grains { world: world.id.clone(), grain, wheel: radius });
-            }
+        check_grains(world, radius)?;
+        let place = |(described, packing): (&GranularBed, &Packing)| {
             let settings = settings(world.scale, step);
             let top = world.heightfield.height(described.x, described.y);
             let tools = tools(described.material.mean_radius());
             bounds = tools.iter().map(|tool| tool.shape.bound()).collect();
-            Ok(Placed {
+            Placed {
                 bed: Bed::new(packing, &described.material, tools, settings),
                 floor_world: V3::new(described.x, described.y, top - described.depth),
                 half: [0.5 * described.length, 0.5 * described.width],
                 depth: described.depth,
-            })
+            }
         };
-        let beds = world.beds.iter().zip(packings).map(&mut place).collect::<Result<_, _>>()?;
+        let beds = world.beds.iter().zip(packings).map(place).collect();
         let reactions = vec![Reaction::default(); bounds.len()];
         Ok(Self { beds, reactions, bounds, reach: REACH * world.scale })
     }

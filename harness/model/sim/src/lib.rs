@@ -25,6 +25,7 @@ pub mod tyre;
 pub use collision::Surroundings;
 pub use dynamics::WheelStand;
 pub use error::SimError;
+pub use granular::check_grains;
 pub use powertrain::DriveState;
 #[cfg(feature = "rig")]
 pub use simulation::Rig;

@@ -243,6 +243,9 @@ fn prepare(config: &RunConfig) -> Result<Prepared, RunError> {
     let worlds: BTreeSet<&str> = config.tasks.iter().map(|t| t.world()).collect();
     for world in worlds {
         config.suite.verify_world(world)?;
+        if config.suite.has_beds(world) {
+            prepared.setting.check_beds(&config.suite.load_world(world)?)?;
+        }
     }
     Ok(prepared)
 }

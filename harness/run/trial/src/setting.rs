@@ -146,6 +146,16 @@ impl Setting {
         Ok(Self { model, vehicle, soils, rules, options, perception, scale, seed, departures })
     }
 
+    /// Checks that the vehicle can drive over the granular beds of a world, which is as it is stored, at scale 1.
+    ///
+    /// # Errors
+    /// Returns an error if grains are larger than its wheels.
+    pub fn check_beds(&self, world: &World) -> Result<(), TrialError> {
+        let spec = self.model.spec();
+        let radii = spec.axles.iter().map(|axle| spec.tyre_of(axle).radius());
+        Ok(vb_sim::check_grains(world, radii.fold(f64::INFINITY, f64::min) / self.scale)?)
+    }
+
     /// The sensors of a task's vehicle, and what its driver is told.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ use vb_world::World;
 use crate::debug::Lines;
 use crate::motion::attitude;
 use crate::scene::{Mesh, ground, obstacles, parts};
-use crate::sensors_file::write_sensors;
+use crate::sensors_file::{write_grains, write_sensors};
 use crate::{Replay, ReplayError, ReplayRun};
 
 pub(crate) const WORLD: &str = "world";
@@ -73,7 +73,7 @@ pub const RUN_COLOURS: [[u8; 3]; 8] = [
 
 /// Writes the replay. Time is that of the simulation, as if it had begun at the epoch. Topics: `/world` (ground, obstacles,
 /// global path, start and goal), `/tf` (chassis and wheels), and of each run, `/runN` its vehicle (`vehicle`), odometry
-/// (`odometry`), angles and commands (`state`), what its sensors measured (`lidar`, `depth`, `local_map`, `estimate`, `gnss`, `imu`), the
+/// (`odometry`), angles and commands (`state`), the grains of granular beds (`grains`), what its sensors measured (`lidar`, `depth`, `local_map`, `estimate`, `gnss`, `imu`), the
 /// planner's lines (`plan`) and curves (`planner`), and the outcome (`outcome`). `path` is what the file is called in errors.
 pub fn write_mcap(replay: &Replay, file: File, path: &Path) -> Result<(), ReplayError> {
     let fail = |detail: String| ReplayError::Mcap { path: path.to_owned(), detail };
@@ -161,6 +161,7 @@ fn write_run(
         state.log_with_meta(message.to_string().as_bytes(), meta);
     }
     write_sensors(&run.sensed, &frame, context)?;
+    write_grains(&m.grains, m.end(), &frame, context);
     for lines in run.series.lines() {
         let (stamp, meta) = at(lines.time);
         plan.log_with_meta(&plan_scene(replay, &lines, stamp), meta);

@@ -13,6 +13,7 @@ use serde_json::json;
 use vb_sdk::{DepthImage, DepthInfo, LidarInfo, LidarScan, LocalMap, Mount};
 
 use crate::foxglove_file::{WORLD, at, json_channel, pose, quaternion, vector};
+use crate::grains::Grains;
 use crate::scene::label_colour;
 use crate::sensed::Sensed;
 
@@ -136,6 +137,37 @@ fn cloud(info: &LidarInfo, scan: &LidarScan, frame: &str) -> PointCloud {
             ("column", NumericType::Uint16, 2),
         ]),
         data: data.into(),
+    }
+}
+
+/// Time between two clouds of grains, s: the whole cloud is in each.
+const GRAINS_PERIOD: f64 = 0.5;
+
+/// Writes the grains of granular beds until the end (s), as clouds of centres with radii in world axes; none where there are no grains.
+pub(crate) fn write_grains(grains: &Grains, end: f64, frame: &str, context: &Arc<Context>) {
+    if grains.radii.is_empty() {
+        return;
+    }
+    let topic = ChannelBuilder::new(format!("/{frame}/grains")).context(context).build::<PointCloud>();
+    let last = grains.moves.last().map_or(0.0, |m| m.time).min(end);
+    for k in 0..=(last / GRAINS_PERIOD).ceil() as u32 {
+        let time = (GRAINS_PERIOD * f64::from(k)).min(end);
+        let (stamp, meta) = at(time);
+        let mut data = Vec::with_capacity(16 * grains.radii.len());
+        for (centre, radius) in grains.at(time) {
+            for v in centre.into_iter().chain([radius]) {
+                data.extend((v as f32).to_le_bytes());
+            }
+        }
+        let message = PointCloud {
+            timestamp: Some(stamp),
+            frame_id: WORLD.into(),
+            pose: Some(pose([0.0; 3])),
+            point_stride: 16,
+            fields: fields(["x", "y", "z", "radius"].map(|name| (name, NumericType::Float32, 4))),
+            data: data.into(),
+        };
+        topic.log_with_meta(&message, meta);
     }
 }
 

@@ -187,7 +187,7 @@ impl Touch<'_, '_> {
 
     fn press_soil(&mut self, under: Under) {
         let ground = &mut *self.ground;
-        if !ground.soil.is_empty()
+        if ground.soil.has_soil()
             && let Some(footprint) = &mut self.contacts.footprint
             && let Some(s) = footprint.step(ground.soil, ground.heightfield, under, self.motion, self.dt)
         {

@@ -222,7 +222,7 @@ impl Simulation {
         let bound = self.chassis.bound().max(self.vehicle.bound());
         let way = body.v_world.norm() * self.options.step * LOOK_AROUND as f64;
         self.obstacles.look_around(&body.x_world, bound + AROUND + way);
-        if !self.soil.is_empty() && !self.chassis.passes_soil() {
+        if self.soil.has_soil() && !self.chassis.passes_soil() {
             self.chassis.look_for_heaps(&self.soil, &body.x_world, &body.q);
         }
     }

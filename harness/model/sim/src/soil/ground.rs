@@ -147,6 +147,11 @@ impl SoilGround {
         self.soils.is_empty() && !self.has_beds
     }
 
+    /// Whether there is soil anywhere.
+    pub(crate) fn has_soil(&self) -> bool {
+        !self.soils.is_empty()
+    }
+
     /// Whether the ground at a position is a granular bed.
     pub(crate) fn is_granular(&self, x: f64, y: f64) -> bool {
         self.has_beds && self.kind(self.row(y).0, self.column(x).0) == GRANULAR

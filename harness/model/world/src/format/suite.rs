@@ -190,6 +190,12 @@ impl Suite {
         &self.worlds
     }
 
+    /// Tells whether a world has granular beds.
+    #[must_use]
+    pub fn has_beds(&self, id: &str) -> bool {
+        self.world_dir(id).join(crate::Part::Beds.file_name()).exists()
+    }
+
     /// What the index says about a world.
     ///
     /// # Errors

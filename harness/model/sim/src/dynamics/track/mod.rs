@@ -101,7 +101,7 @@ pub(super) fn pull_tracks(
         let under = ground.under(at.x, at.y, reach);
         let mut step = TrackStep { track, belt, laid, forces };
         step.touch_spans(kinematics, ground, under, dt);
-        if !ground.soil.is_empty() {
+        if ground.soil.has_soil() {
             step.press_soil(kinematics, ground, under, dt);
         }
         if let Some((own, others)) = grains.split_at_checked(track.count() - 1) {
