@@ -148,7 +148,8 @@ fn a_large_bin_of_tiles_has_no_seams() {
     // No walls either within: as dense in strips about the seams (of three tiles along x) as everywhere.
     let volume = |low: f64, high: f64| -> f64 {
         let within = |g: &&vb_granular::Grain| g.position.x >= low && g.position.x < high;
-        packing.grains.iter().filter(within).map(|g| g.radius.powi(3)).sum::<f64>() / (high - low)
+        packing.grains.iter().filter(within).map(|g| g.radius * g.radius * g.radius).sum::<f64>()
+            / (high - low)
     };
     let whole = volume(-1.5, 1.5);
     for seam in [-0.55, 0.55] {

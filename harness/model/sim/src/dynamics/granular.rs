@@ -17,7 +17,7 @@ const SHOULDER: f64 = 0.15;
 const RUBBER: f64 = 0.8;
 
 /// A force, N, and a moment, N m, world axes.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Wrench {
     pub(super) force: V3,
     pub(super) moment: V3,
@@ -65,25 +65,17 @@ fn stiffness(tyre: &Tyre, load: f64, width: f64, grain: f64) -> f64 {
     load / high * (4.0 * grain * grain / (width * length)).min(1.0)
 }
 
-/// What the beds do to the bodies of a vehicle in a step, world axes.
-pub(super) struct Pressed {
-    /// On each span of the belts, the left one's first: about its middle.
-    pub(super) spans: Vec<Wrench>,
-    /// On the hull, about the chassis' centre of mass.
-    pub(super) hull: Wrench,
-}
-
-/// Advances the beds by a step and adds their forces to those on the wheels. `laid` is how the belts lay in the last step. It returns
-/// nothing in a world without beds.
+/// Advances the beds by a step, adds their forces to those on the wheels and tells `laid`, which is how the belts lay in the last step,
+/// those on the belts. It returns what they do to the hull, about the chassis' centre of mass; nothing in a world without beds.
 pub(super) fn press(
     design: &Design,
     kinematics: &Kinematics<'_>,
     beds: &mut Beds,
     belts: &[Belt],
-    laid: &[Laid],
+    laid: &mut [Laid],
     forces: &mut [Forces],
     dt: f64,
-) -> Option<Pressed> {
+) -> Option<Wrench> {
     if beds.is_empty() {
         return None;
     }
@@ -97,7 +89,7 @@ pub(super) fn press(
         let m = &place.motion;
         Motion { position: m.hub, rotation: upright(&m.axis), velocity: m.velocity, spin: m.rotation }
     }));
-    for ((track, belt), laid) in design.tracks.iter().zip(belts).zip(laid) {
+    for ((track, belt), laid) in design.tracks.iter().zip(belts).zip(&*laid) {
         motions.extend((0..track.count() - 1).map(|j| laid.span_motion(track, belt, kinematics, j)));
     }
     let hull =
@@ -108,6 +100,8 @@ pub(super) fn press(
     let wrench = |r: &Reaction| Wrench { force: r.impulse / dt, moment: r.moment / dt };
     let (on_wheels, others) = reactions.split_at(placements.len());
     let (on_spans, on_hull) = others.split_at(spans);
+    let places = laid.iter_mut().flat_map(|laid| &mut laid.grains);
+    places.zip(on_spans).for_each(|(place, reaction)| *place = wrench(reaction));
     for ((place, total), reaction) in placements.iter().zip(forces.iter_mut()).zip(on_wheels) {
         let Wrench { force, moment } = wrench(reaction);
         let axis = place.motion.axis;
@@ -117,7 +111,6 @@ pub(super) fn press(
         total.spin_moment += about_axle;
         total.load += force.dot(&V3::z()).max(0.0);
     }
-    let spans = on_spans.iter().map(wrench).collect();
     let sum = |of: fn(&Reaction) -> V3| on_hull.iter().map(of).sum::<V3>() / dt;
     let hull = Wrench { force: sum(|r| r.impulse), moment: sum(|r| r.moment) };
     for ((place, total), corner) in placements.iter().zip(forces).zip(&design.corners) {
@@ -127,5 +120,5 @@ pub(super) fn press(
             total.sinkage = (surface - m.hub.z + reach).max(0.0);
         }
     }
-    Some(Pressed { spans, hull })
+    Some(hull)
 }

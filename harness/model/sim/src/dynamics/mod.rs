@@ -222,12 +222,11 @@ impl Vehicle {
         let kinematics = Kinematics::place(design, &state.body, &state.wheels, steering, placements, beams);
         track::carry_shear(&design.tracks, &state.belts, &mut state.contacts, dt);
         contact::touch_wheels(design, &kinematics, ground, &mut state.contacts, forces, dt);
-        let pressed = granular::press(design, &kinematics, ground.beds, &state.belts, laid, forces, dt);
+        let on_hull = granular::press(design, &kinematics, ground.beds, &state.belts, laid, forces, dt);
         let shafts = if design.tracks.is_empty() {
             Shafts::of_wheels(design, &state.wheels, forces, controls.brake)
         } else {
-            let spans = pressed.as_ref().map_or(&[][..], |pressed| &pressed.spans);
-            track::pull_tracks(design, &kinematics, ground, spans, &mut state.belts, laid, forces, dt);
+            track::pull_tracks(design, &kinematics, ground, &mut state.belts, laid, forces, dt);
             let thrusts = [0, 1].map(|i| laid[i].total_thrust());
             Shafts::of_sprockets(design, &state.belts, thrusts, forces, controls.brake, steering.command)
         };
@@ -235,7 +234,6 @@ impl Vehicle {
         state.steering.bear(load, steering.rate, dt);
         let demand = drive::demand(design, &state.body, state.drive.gear(), &controls, steering.command);
         let driven = shafts.advance(&design.tracks, &mut state.drive, &demand, dt);
-        let on_hull = pressed.map(|pressed| pressed.hull);
         let increments = solve::solve(design, &kinematics, forces, on_hull, &driven, gravity_world, dt);
         integrate::integrate(state, steering, &driven, &increments, dt);
     }

@@ -1,7 +1,6 @@
 //! The spans of a belt among the grains of a bed.
 
 use super::super::design::Track;
-use super::super::granular::Wrench;
 use super::super::kinematics::Kinematics;
 use super::super::state::Belt;
 use super::{Laid, Push, TrackStep, in_world, share_out};
@@ -39,11 +38,12 @@ impl Laid {
 }
 
 impl TrackStep<'_> {
-    /// Takes the forces of grains on the spans, each about the middle of its span, to the wheels and along the belt.
-    pub(super) fn press_grains(&mut self, kinematics: &Kinematics<'_>, grains: &[Wrench]) {
+    /// Takes the forces of grains on the spans to the wheels and along the belt.
+    pub(super) fn press_grains(&mut self, kinematics: &Kinematics<'_>) {
         let Kinematics { turn, placements, .. } = kinematics;
         let axis = turn.column(1).into_owned();
-        for (j, on_span) in grains.iter().enumerate() {
+        for j in 0..self.laid.grains.len() {
+            let on_span = self.laid.grains[j];
             if on_span.force == V3::zeros() {
                 continue;
             }

@@ -32,12 +32,19 @@ pub(super) struct Laid {
     thrust: Vec<f64>,
     /// To which wheels a station's force goes: the wheel in front, and the fraction of the one behind.
     fractions: [(usize, f64); TRACK],
+    /// What the grains of granular beds do to each span in a step, about its middle.
+    pub(super) grains: Vec<Wrench>,
 }
 
 impl Laid {
     /// At design height.
     pub(super) fn new(track: &Track) -> Self {
-        Self { course: track.course.clone(), thrust: vec![0.0; track.count()], fractions: [(0, 0.0); TRACK] }
+        Self {
+            course: track.course.clone(),
+            thrust: vec![0.0; track.count()],
+            fractions: [(0, 0.0); TRACK],
+            grains: vec![Wrench::default(); track.count() - 1],
+        }
     }
 
     /// Lays the belt around the wheels where they are, with no force along it.
@@ -79,13 +86,12 @@ pub(super) fn carry_shear(tracks: &[Track], belts: &[Belt], contacts: &mut [Cont
     }
 }
 
-/// Adds the forces of ground, obstacles and tension on the belts to those on their wheels. `grains` is what granular beds do to the
-/// spans of the belts, if there are any. `laid` is a buffer for how the belts lie.
+/// Adds the forces of ground, obstacles, grains and tension on the belts to those on their wheels. `laid` is a buffer for how the belts
+/// lie.
 pub(super) fn pull_tracks(
     design: &Design,
     kinematics: &Kinematics<'_>,
     ground: &mut Ground<'_>,
-    mut grains: &[Wrench],
     belts: &mut [Belt],
     laid: &mut [Laid],
     forces: &mut [Forces],
@@ -104,9 +110,8 @@ pub(super) fn pull_tracks(
         if ground.soil.has_soil() {
             step.press_soil(kinematics, ground, under, dt);
         }
-        if let Some((own, others)) = grains.split_at_checked(track.count() - 1) {
-            step.press_grains(kinematics, own);
-            grains = others;
+        if !ground.beds.is_empty() {
+            step.press_grains(kinematics);
         }
         step.pull(turn, dt);
     }
