@@ -215,6 +215,16 @@ def _path():
     return {**os.environ, "PYTHONPATH": os.pathsep.join([own, os.environ.get("PYTHONPATH", "")])}
 
 
+def test_a_configuration_changes_fields_of_its_base(tmp_path):
+    own, base = read_config("onboard"), read_config("policy")
+    changed = {field for field in base.values if own[field] != base[field]}
+    assert changed == {"name", "planners", "perception", "observation", "ahead"}
+    (tmp_path / "a.yaml").write_text("base: b\nname: a\n")
+    (tmp_path / "b.yaml").write_text("base: a\nname: b\n")
+    with pytest.raises(TrainingError, match="b.yaml: base: 'a' is not a file beside this one without a base"):
+        read_config(tmp_path / "a.yaml")
+
+
 def test_files_of_configurations_are_checked(tmp_path):
     (tmp_path / "mine.yaml").write_text("schema: 1\nname: mine\nppo: {size: 3}\n")
     with pytest.raises(TrainingError, match=r"mine.yaml: ppo.size: there is no such field"):

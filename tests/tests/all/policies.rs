@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 use vb_tests::{Bench, PluginKind, plugin};
 
-const PLANNERS: [&str; 3] = ["rl", "mcl", "acl"];
+const PLANNERS: [&str; 4] = ["rl", "mcl", "acl", "rl-onboard"];
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths of tests are text")

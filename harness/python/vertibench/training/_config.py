@@ -197,14 +197,7 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
     path = Path(name)
     if path.suffix == "" and path.name == str(name):
         path = tasks_path() / "training" / f"{name}.yaml"
-    try:
-        read = _yaml.read(path)
-    except OSError as e:
-        there = ", ".join(sorted(p.stem for p in (tasks_path() / "training").glob("*.yaml")))
-        raise TrainingError(path, f"it can't be read: {e.strerror or e}", f"give a YAML file, or one of {there}") from None
-    except ValueError as e:
-        raise TrainingError(path, one_line(e), "correct it") from None
-    values = _flat(path, read)
+    values = _read(path)
     for field, text in (changes or {}).items():
         if field not in _FIELDS:
             raise TrainingError(f"--set {field}", "there is no such field", f"there are {', '.join(_FIELDS)}")
@@ -213,6 +206,23 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
         except (ValueError, TypeError):
             raise TrainingError(f"--set {field}", f"{text!r} is not a value", "give a number, text or list in YAML") from None
     return checked(path, values)
+
+
+def _read(path: Path, is_base: bool = False) -> dict[str, Any]:
+    """Returns the values of a file by field. The field `base` names a file beside it whose values it changes."""
+    try:
+        read = _yaml.read(path)
+    except OSError as e:
+        there = ", ".join(sorted(p.stem for p in (tasks_path() / "training").glob("*.yaml")))
+        raise TrainingError(path, f"it can't be read: {e.strerror or e}", f"give a YAML file, or one of {there}") from None
+    except ValueError as e:
+        raise TrainingError(path, one_line(e), "correct it") from None
+    base = read.pop("base", None) if isinstance(read, dict) else None
+    if base is None:
+        return _flat(path, read)
+    if is_base or not isinstance(base, str) or Path(base).name != base:
+        raise TrainingError(path, f"base: {base!r} is not a file beside this one without a base", "give its name without suffix")
+    return {**_read(path.with_name(f"{base}.yaml"), is_base=True), **_flat(path, read)}
 
 
 def checked(path: Path, values: dict[str, Any]) -> Config:
