@@ -64,7 +64,8 @@ pub fn plugin(name: &str, plugin_kind: PluginKind) -> PathBuf {
     let dir = std::env::var_os("VB_PLUGINS").map_or_else(|| target_dir().join("plugins"), PathBuf::from);
     let file = match plugin_kind {
         PluginKind::Wasm => format!("{name}.wasm"),
-        PluginKind::Native => format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"),
+        // Libraries are called by the name of their crate.
+        PluginKind::Native => format!("{DLL_PREFIX}{}{DLL_SUFFIX}", name.replace('-', "_")),
     };
     // Commands run in folders of their own.
     std::path::absolute(built(dir.join(file))).unwrap()

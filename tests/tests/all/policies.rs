@@ -15,15 +15,18 @@ fn text(path: &Path) -> &str {
 fn policies_get_over_easy_ground_and_drive_alike_in_both_kinds() {
     let bench = Bench::new();
     for name in PLANNERS {
+        // Without prior maps as many as the worst that its interval over held-out worlds of low elevation has, 70 %, and one in ten less.
+        let (profile, least) = if name == "rl-onboard" { ("onboard", 6) } else { ("oracle", 8) };
         let records = |kind: PluginKind| {
             let (plugin, out) = (plugin(name, kind), format!("{name}-{kind:?}"));
-            bench.ok(&["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001", "--out", &out]);
+            let args = ["--plugin", text(&plugin), "--suite", "smoke", "--tasks", "w001", "--out", &out];
+            bench.ok(&[&args[..], &["--perception", profile]].concat());
             bench.records(&out)
         };
         let (wasm, native) = (records(PluginKind::Wasm), records(PluginKind::Native));
         // A world of low elevation: in held-out ones they complete nine tasks in ten.
         let completed = wasm.values().filter(|record| record["outcome"] == "success").count();
-        assert!(wasm.len() == 10 && completed >= 8, "{name}: {completed} of {}", wasm.len());
+        assert!(wasm.len() == 10 && completed >= least, "{name}: {completed} of {}", wasm.len());
         for (task, record) in &wasm {
             assert_eq!(record["state_hash"], native[task]["state_hash"], "{name}: {task}");
         }
