@@ -209,7 +209,7 @@ def read_config(name: str | PathLike[str] = "policy", changes: dict[str, str] | 
 
 
 def _read(path: Path, is_base: bool = False) -> dict[str, Any]:
-    """Returns the values of a file by field. The field `base` names a file beside it whose values it changes."""
+    """Returns the values of a file by field. The field `base` names a file in its folder whose values it changes."""
     try:
         read = _yaml.read(path)
     except OSError as e:
