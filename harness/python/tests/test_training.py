@@ -232,7 +232,7 @@ def test_files_of_configurations_are_checked(tmp_path):
     (tmp_path / "mine.yaml").write_text("schema: 1\nname: mine\n")
     with pytest.raises(TrainingError, match=r"mine.yaml: planners: the field is missing"):
         read_config(tmp_path / "mine.yaml")
-    with pytest.raises(TrainingError, match=r"it can't be read: No such file or directory \(give a YAML file, or one of policy\)"):
+    with pytest.raises(TrainingError, match=r"it can't be read: No such file or directory \(give a YAML file, or one of onboard, policy\)"):
         read_config("polici")
 
 
