@@ -1,5 +1,5 @@
-//! The RL planner without prior maps, which sees the local map of lidar and camera: docs/training.md tells how it was trained
-//! (`tasks/training/onboard.yaml`), and `policy.json` is the card of its weights.
+//! The RL planner without prior maps: its policy observes the local map of lidar and camera. It was trained with
+//! `tasks/training/onboard.yaml` (docs/training.md); `policy.json` is the card of its weights.
 
 vb_sdk::export_policy! {
     name: "rl-onboard",

@@ -90,6 +90,22 @@ const PAGES: [Page; 2] = [
                 ],
             },
             Format {
+                title: "Granular bed rules",
+                about: "`tasks/generator/granular.yaml`, `suite generate --granular --params`; [granular beds](granular.md).",
+                root: "GranularParams",
+                sources: &[
+                    "harness/make/suite/src/granular.rs",
+                    "harness/make/suite/src/path.rs",
+                    "harness/model/world/src",
+                ],
+            },
+            Format {
+                title: "Granular material",
+                about: "`tasks/soils/granular`, `material` in bed rules; [granular beds](granular.md#materials).",
+                root: "MaterialFile",
+                sources: &["harness/model/granular/src", "harness/model/world/src"],
+            },
+            Format {
                 title: "Exploration",
                 about: "`tasks/exploration`, `dataset explore --rules`; [datasets](datasets.md).",
                 root: "Exploration",

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use vb_files::document::within;
 use vb_files::{Document, DocumentError, Flaw, Schema};
-use vb_granular::Material;
+use vb_granular::MaterialFile;
 use vb_math::rng::Stream;
 use vb_world::{
     Density, Elevation, GranularBed, Heightfield, Obstacle, ObstacleKind, Provenance, Semantics, SoilLevels,
@@ -18,7 +18,7 @@ use crate::rules::{self, Square, flaw};
 
 /// Version of this builder, which changes whenever the same inputs would give other worlds.
 const VERSION: u32 = 1;
-/// How far the ends of the wall are from the bed and from the edge of the world, m.
+/// Clearance between an end of the wall and the bed or the edge of the world, m.
 const APART: f64 = 0.1;
 
 /// The rules of a suite of granular beds: `tasks/generator/granular.yaml` and files like it.
@@ -46,7 +46,9 @@ pub struct GroundParams {
     pub resolution: f64,
     /// The side of a patch, m.
     pub patch: f64,
+    /// The terrain class, a rigid one.
     pub class: TerrainClass,
+    /// The friction coefficient.
     pub friction: f64,
 }
 
@@ -60,7 +62,7 @@ pub struct BedParams {
     pub length: f64,
     /// The size along y, m.
     pub width: f64,
-    /// m.
+    /// The height of the fill above the floor, m.
     pub depth: f64,
 }
 
@@ -68,9 +70,9 @@ pub struct BedParams {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallParams {
-    /// m.
+    /// The height of the wall, m.
     pub height: f64,
-    /// m.
+    /// The thickness of the wall, m.
     pub thickness: f64,
 }
 
@@ -137,8 +139,8 @@ vb_files::document!(GranularParams);
 #[derive(Clone, Debug)]
 pub struct GranularSuite<'a> {
     rules: &'a GranularParams,
-    /// Of each bed.
-    materials: Vec<Material>,
+    /// The material of each bed, in the order of the rules.
+    materials: Vec<MaterialFile>,
     seed: u64,
 }
 
@@ -151,8 +153,8 @@ impl<'a> GranularSuite<'a> {
         let materials = rules.beds.iter().map(|bed| {
             let beside = file.and_then(Path::parent).map(|folder| folder.join(&bed.material));
             match beside.filter(|path: &PathBuf| path.is_file()) {
-                Some(path) => Material::load(&path),
-                None => Material::resolve(&bed.material),
+                Some(path) => MaterialFile::load(&path),
+                None => MaterialFile::resolve(&bed.material),
             }
         });
         Ok(Self { rules, materials: materials.collect::<Result<_, _>>()?, seed })
@@ -179,7 +181,11 @@ impl<'a> GranularSuite<'a> {
         self.rules.beds.iter().zip(&self.materials).enumerate().map(|(k, bed)| self.world(k, bed)).collect()
     }
 
-    fn world(&self, index: usize, (bed, material): (&BedParams, &Material)) -> Result<World, GenerateError> {
+    fn world(
+        &self,
+        index: usize,
+        (bed, material): (&BedParams, &MaterialFile),
+    ) -> Result<World, GenerateError> {
         let rules = self.rules;
         let id = format!("w{:03}", index + 1);
         let mut rng = Stream::new(self.seed, &["granular", &id]);

@@ -1,12 +1,12 @@
 //! Steps of beds in which all grains move: 1 ms of simulated time.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use vb_granular::{Bed, Bin, Material, Motion, Packing, Settings, Shape, Tool};
+use vb_granular::{Bed, Bin, MaterialFile, Motion, Packing, Settings, Shape, Tool};
 
 type V3 = nalgebra::Vector3<f64>;
 
 fn steps(c: &mut Criterion) {
-    let gravel = Material::resolve("gravel").expect("a material that comes with the crate").grains;
+    let gravel = MaterialFile::resolve("gravel").expect("a material that comes with the crate").grains;
     let mut group = c.benchmark_group("bed");
     for (grains, length) in [(2000, 2.25), (5000, 5.65), (10_000, 11.3)] {
         let packing = Packing::poured(&gravel, Bin { length, width: 0.9, depth: 0.4 }, 1).expect("it fits");

@@ -2,12 +2,12 @@
 #![expect(clippy::print_stdout, reason = "a program that prints a table")]
 
 use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
-use vb_granular::{Bin, Material, Packing, PackingError, Settings};
+use vb_granular::{Bin, MaterialFile, Packing, PackingError, Settings};
 use vb_world::GranularMaterial;
 
 fn main() -> Result<(), PackingError> {
     for name in ["gravel", "sand"] {
-        let material = Material::resolve(name).expect("a material that comes with the crate").grains;
+        let material = MaterialFile::resolve(name).expect("a material that comes with the crate").grains;
         let r = material.mean_radius();
         let deep = Bin { length: 36.0 * r, width: 36.0 * r, depth: 16.0 * r };
         let packing = Packing::poured(&material, deep, 1)?;

@@ -29,12 +29,11 @@ mod tool;
 mod walls;
 
 pub use bed::{Bed, Settings};
-pub use material::Material;
+pub use material::MaterialFile;
 pub use packing::{Bin, Grain, Packing, PackingError};
 pub use tool::{Motion, Reaction, Shape, Tool};
 
+pub use vb_world::GRAVITY;
+
 type V3 = nalgebra::Vector3<f64>;
 type Quat = nalgebra::UnitQuaternion<f64>;
-
-/// Acceleration of gravity, m/s².
-pub const GRAVITY: f64 = 9.81;

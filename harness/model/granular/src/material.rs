@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use vb_files::{Document, Flaw, Schema};
 use vb_world::GranularMaterial;
 
-/// A granular material with a name.
+/// A file of a granular material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Material {
+pub struct MaterialFile {
     pub schema: Schema<1>,
     pub name: String,
     /// A description in one line, for people.
@@ -15,7 +15,7 @@ pub struct Material {
     pub grains: GranularMaterial,
 }
 
-impl Document for Material {
+impl Document for MaterialFile {
     type File = Self;
     const KIND: &'static str = "granular material";
     const FIELDS: &'static str = "docs/granular.md";
@@ -30,4 +30,4 @@ impl Document for Material {
     }
 }
 
-vb_files::document!(Material);
+vb_files::document!(MaterialFile);

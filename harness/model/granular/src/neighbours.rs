@@ -66,6 +66,13 @@ impl Period {
         way
     }
 
+    /// Brings places back into the bin.
+    fn wrap(self, places: &mut [V3]) {
+        if self.0.is_some() {
+            places.iter_mut().for_each(|x| *x = self.nearest(*x));
+        }
+    }
+
     /// Shows a place as it repeats itself around the bin, first where it is.
     fn images(self, x: V3, mut show: impl FnMut(V3)) {
         show(x);
@@ -110,9 +117,7 @@ impl Neighbours {
                 .all(|((now, before), tool)| now.moved_since(before, tool) < 0.5 * self.skin)
             && self.moving.iter().all(is_near);
         if !holds {
-            for x in &mut grains.position {
-                *x = self.period.nearest(*x);
-            }
+            self.period.wrap(&mut grains.position);
             self.places.clone_from(&grains.position);
             self.tools = motions.to_vec();
             let near = self.wake(grains, tools, motions);
@@ -133,12 +138,12 @@ impl Neighbours {
         let extents: Vec<[V3; 2]> =
             tools.iter().zip(motions).map(|(tool, motion)| tool.shape.extent(motion, self.reach)).collect();
         let empty = [V3::repeat(f64::INFINITY), V3::repeat(f64::NEG_INFINITY)];
-        let mut whole = extents.iter().fold(empty, |[low, high], [l, h]| [low.inf(l), high.sup(h)]);
+        let around_tools = extents.iter().fold(empty, |[low, high], [l, h]| [low.inf(l), high.sup(h)]);
         let near = |x: &V3| {
             let within = |((tool, motion), extent): ((&Tool, &Motion), &[V3; 2])| {
                 contains(extent, x) && tool.shape.may_reach(x, motion, self.reach)
             };
-            contains(&whole, x) && tools.iter().zip(motions).zip(&extents).any(within)
+            contains(&around_tools, x) && tools.iter().zip(motions).zip(&extents).any(within)
         };
         self.moves.clear();
         let mut moving = empty;
@@ -153,9 +158,9 @@ impl Neighbours {
                 (grains.velocity[i], grains.spin[i]) = (V3::zeros(), V3::zeros());
             }
         }
-        let around = V3::repeat(self.diameter + self.skin);
-        whole = [moving[0] - around, moving[1] + around];
-        (0..count as u32).filter(|&i| contains(&whole, &grains.position[i as usize])).collect()
+        let reach = V3::repeat(self.diameter + self.skin);
+        let around_moving = [moving[0] - reach, moving[1] + reach];
+        (0..count as u32).filter(|&i| contains(&around_moving, &grains.position[i as usize])).collect()
     }
 
     fn look(&mut self, grains: &Grains, near: &[u32], tools: &[Tool], motions: &[Motion], walls: &Walls) {
@@ -244,7 +249,7 @@ struct Cells {
 }
 
 impl Cells {
-    /// Of the grains of some numbers.
+    /// Cells of the grains with these numbers.
     fn new(positions: &[V3], numbers: &[u32], side: f64) -> Self {
         let places = || numbers.iter().map(|&i| positions[i as usize]);
         let low = places().fold(V3::repeat(f64::INFINITY), |low, x| low.inf(&x));

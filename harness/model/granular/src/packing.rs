@@ -72,16 +72,16 @@ impl Packing {
 
     /// Fills a large bin with copies of a small tile, which is poured and repeats itself without a seam; grains that a wall
     /// would cut are left out. It takes no longer than the tile does. A function of its arguments; `settings` tells step and stiffness.
+    /// [`Packing::MOST`] limits the grains of the tile, not of the bin.
     ///
     /// # Errors
-    /// Returns an error if the bin is too small or too large for the grains.
+    /// Returns an error if the tile is too small or too large for the grains.
     pub fn tiled(
         material: &GranularMaterial,
         bin: Bin,
         seed: u64,
         settings: Settings,
     ) -> Result<Self, PackingError> {
-        Self::room(material, bin)?;
         let side = TILE * 2.0 * material.mean_radius();
         let count = |length: f64| (length / side).floor().max(1.0);
         let (columns, rows) = (count(bin.length), count(bin.width));
@@ -106,7 +106,7 @@ impl Packing {
         Ok(Self { bin, grains })
     }
 
-    /// How many grains are to be poured into a bin, if it has room for them.
+    /// Number of grains to pour into a bin, if it has room for them.
     fn room(material: &GranularMaterial, bin: Bin) -> Result<usize, PackingError> {
         let radius = material.radius[1];
         if [bin.length, bin.width, bin.depth].iter().any(|side| side.is_nan() || *side < 4.0 * radius) {

@@ -1,6 +1,6 @@
 //! Momentum, energy and weight of a bed, and that it is a function of its inputs.
 
-use vb_granular::{Bed, Bin, GRAVITY, Material, Motion, Packing, Settings, Shape, Tool};
+use vb_granular::{Bed, Bin, GRAVITY, MaterialFile, Motion, Packing, Settings, Shape, Tool};
 use vb_world::GranularMaterial;
 
 type V3 = nalgebra::Vector3<f64>;
@@ -9,7 +9,7 @@ type Quat = nalgebra::UnitQuaternion<f64>;
 const BIN: Bin = Bin { length: 0.6, width: 0.6, depth: 0.3 };
 
 fn material(name: &str) -> GranularMaterial {
-    Material::resolve(name).expect("a material that comes with the crate").grains
+    MaterialFile::resolve(name).expect("a material that comes with the crate").grains
 }
 
 fn sand() -> GranularMaterial {
@@ -168,4 +168,15 @@ fn a_large_bin_of_tiles_has_no_seams() {
     let start: f64 = packing.grains.iter().map(|g| gravel.mass(g.radius) * GRAVITY * g.position.z).sum();
     assert!((start - fallen) / weight < 1e-3, "the bed sinks by {} m", (start - fallen) / weight);
     assert!(first < weight * 1e-3, "{first} J");
+}
+
+#[test]
+fn a_bin_of_as_many_grains_as_a_world_may_have_is_filled() {
+    let gravel = material("gravel");
+    // 190 000 grains, of which the least that a bin is struck off at would be more than the maximum.
+    let depth = 0.5;
+    let area = 190_000.0 * gravel.mean_volume() / (0.64 * depth);
+    let bin = Bin { length: area.sqrt(), width: area.sqrt(), depth };
+    let packing = Packing::tiled(&gravel, bin, 5, Settings::default()).unwrap();
+    assert!(packing.grains.len() > 150_000, "{}", packing.grains.len());
 }

@@ -1,11 +1,11 @@
 //! Beds against published figures, on small beds; `cargo run --release -p vb-granular --example published` has larger ones.
 
 use vb_granular::rig::{Wheel, bekker, plate};
-use vb_granular::{Bin, Material, Packing, Settings};
+use vb_granular::{Bin, MaterialFile, Packing, Settings};
 use vb_world::GranularMaterial;
 
 fn material(name: &str) -> GranularMaterial {
-    Material::resolve(name).expect("a material that comes with the crate").grains
+    MaterialFile::resolve(name).expect("a material that comes with the crate").grains
 }
 
 /// Random packings of spheres: loose 0.55 (Jerkins et al., Phys. Rev. Lett. 101, 018301, 2008), close 0.64 (Scott and Kilgour,

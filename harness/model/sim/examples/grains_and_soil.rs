@@ -2,12 +2,12 @@
 #![expect(clippy::print_stdout, reason = "a program that prints a table")]
 
 use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
-use vb_granular::{Bin, Material, Packing, PackingError, Settings};
+use vb_granular::{Bin, MaterialFile, Packing, PackingError, Settings};
 use vb_sim::soil::{Bekker, PressureDirection, Shear, Sinkage, SlipSinkage, SoilLaw, WheelRig};
 
 fn main() -> Result<(), PackingError> {
     for name in ["gravel", "sand"] {
-        let material = Material::resolve(name).expect("a material that comes with the crate").grains;
+        let material = MaterialFile::resolve(name).expect("a material that comes with the crate").grains;
         let r = material.mean_radius();
         let deep = Bin { length: 36.0 * r, width: 36.0 * r, depth: 16.0 * r };
         let pressures = plate(&Packing::poured(&material, deep, 1)?, &material, 8.0 * r, 0.2, 3.0 * r);
@@ -18,7 +18,7 @@ fn main() -> Result<(), PackingError> {
             cohesion: 0.0,
             friction_angle_deg: angle_of_repose(&material, 1)?.to_degrees(),
             shear: Shear::default(),
-            // Dry sand: Wong, Theory of Ground Vehicles, 2008, table 2.6.
+            // Loose sand: Wong, Theory of Ground Vehicles, 2008, chapter 2.
             shear_modulus: 0.025,
             elastic_stiffness: 1e8,
             damping: 3e3,

@@ -21,6 +21,8 @@ pub enum SimError {
         /// The minimum radius of the wheels, m.
         wheel: f64,
     },
+    #[error("world {world} has a granular bed that can't be filled: {source}")]
+    Bed { world: String, source: vb_granular::PackingError },
     /// The vehicle's state became one that no vehicle can have: a fault of the simulator, not of the planner.
     #[error("the simulation diverged at t = {time:.3} s: {what}; {state}")]
     Diverged {

@@ -6,7 +6,7 @@
 use crate::V3;
 use crate::error::SimError;
 use std::sync::Arc;
-use vb_granular::{Bed, Bin, Motion, Packing, Reaction, Settings, Tool};
+use vb_granular::{Bed, Bin, Motion, Packing, PackingError, Reaction, Settings, Tool};
 use vb_world::{GranularBed, World};
 
 /// Stiffness of a contact at full scale, N/m: at the least radius of `gravel` seven steps of the grains go into one of the vehicle.
@@ -15,8 +15,8 @@ const STIFFNESS: f64 = 3e5;
 /// of a car shears gravel.
 const REACH: f64 = 0.3;
 
-/// The beds of a world as they were filled, at rest.
-pub(crate) type Packings = Arc<[Packing]>;
+/// The beds of a world as they were filled, at rest, or the reason why one can't be: worlds that were checked have no such bed.
+pub(crate) type Packings = Arc<[Result<Packing, PackingError>]>;
 
 /// Checks that no grain of a world's beds is larger than a vehicle's smallest wheel, of `radius` (m) at the world's scale.
 ///
@@ -34,19 +34,14 @@ pub fn check_grains(world: &World, radius: f64) -> Result<(), SimError> {
 pub(crate) fn fill(world: &World) -> Packings {
     let fill = |bed: &GranularBed| {
         let settings = settings(world.scale, FILLING);
-        // Worlds are checked: a bed that has no room for its grains is left empty.
-        Packing::tiled(&bed.material, bin(bed), bed.seed, settings)
-            .unwrap_or(Packing { bin: bin(bed), grains: Vec::new() })
+        let bin = Bin { length: bed.length, width: bed.width, depth: bed.depth };
+        Packing::tiled(&bed.material, bin, bed.seed, settings)
     };
     world.beds.iter().map(fill).collect()
 }
 
 /// The step in which beds are filled at full scale, s.
 const FILLING: f64 = 1e-3;
-
-fn bin(bed: &GranularBed) -> Bin {
-    Bin { length: bed.length, width: bed.width, depth: bed.depth }
-}
 
 /// In a world of another scale a contact yields in proportion to the grain: stiffness × length is proportional to the weight.
 fn settings(scale: f64, step: f64) -> Settings {
@@ -67,41 +62,41 @@ pub(crate) struct Beds {
 #[derive(Clone)]
 struct Placed {
     bed: Bed,
+    described: GranularBed,
     /// The middle of its floor in the world, m.
     floor_world: V3,
-    /// Half of its length and width, m.
-    half: [f64; 2],
-    /// Height of the fill above the floor, m.
-    depth: f64,
 }
 
 impl Beds {
     /// `tools` makes the bodies of the vehicle for grains of a mean radius (m).
     ///
     /// # Errors
-    /// Returns [`SimError::Grains`] for grains that are larger than the smallest wheel, of `radius` (m).
+    /// Returns [`SimError::Grains`] for grains that are larger than the smallest wheel, of `radius` (m), and [`SimError::Bed`] for a bed
+    /// that can't be filled.
     pub(crate) fn new(
         world: &World,
-        packings: &[Packing],
+        packings: &Packings,
         tools: impl Fn(f64) -> Vec<Tool>,
         radius: f64,
         step: f64,
     ) -> Result<Self, SimError> {
         let mut bounds = Vec::new();
         check_grains(world, radius)?;
-        let place = |(described, packing): (&GranularBed, &Packing)| {
+        let place = |(described, packing): (&GranularBed, &Result<Packing, PackingError>)| {
+            let unfilled =
+                |source: &PackingError| SimError::Bed { world: world.id.clone(), source: source.clone() };
+            let packing = packing.as_ref().map_err(unfilled)?;
             let settings = settings(world.scale, step);
             let top = world.heightfield.height(described.x, described.y);
             let tools = tools(described.material.mean_radius());
             bounds = tools.iter().map(|tool| tool.shape.bound()).collect();
-            Placed {
+            Ok(Placed {
                 bed: Bed::new(packing, &described.material, tools, settings),
+                described: described.clone(),
                 floor_world: V3::new(described.x, described.y, top - described.depth),
-                half: [0.5 * described.length, 0.5 * described.width],
-                depth: described.depth,
-            }
+            })
         };
-        let beds = world.beds.iter().zip(packings).map(place).collect();
+        let beds = world.beds.iter().zip(packings.iter()).map(place).collect::<Result<_, SimError>>()?;
         let reactions = vec![Reaction::default(); bounds.len()];
         Ok(Self { beds, reactions, bounds, reach: REACH * world.scale })
     }
@@ -122,10 +117,8 @@ impl Beds {
 
     /// Height of a bed's surface before anything moved in it, m; none where there is no bed.
     pub(crate) fn surface(&self, x: f64, y: f64) -> Option<f64> {
-        let covers = |bed: &&Placed| {
-            (x - bed.floor_world.x).abs() <= bed.half[0] && (y - bed.floor_world.y).abs() <= bed.half[1]
-        };
-        self.beds.iter().find(covers).map(|bed| bed.floor_world.z + bed.depth)
+        let bed = self.beds.iter().find(|bed| bed.described.contains(x, y))?;
+        Some(bed.floor_world.z + bed.described.depth)
     }
 
     /// The grains of all beds: centre in the world, m, and radius, m.
@@ -142,9 +135,9 @@ impl Beds {
             let near = |(motion, bound): (&Motion, &f64)| {
                 let way = motion.position - placed.floor_world;
                 let within = bound + self.reach;
-                way.x.abs() < placed.half[0] + within
-                    && way.y.abs() < placed.half[1] + within
-                    && way.z < placed.depth + within
+                way.x.abs() < 0.5 * placed.described.length + within
+                    && way.y.abs() < 0.5 * placed.described.width + within
+                    && way.z < placed.described.depth + within
             };
             if !motions_world.iter().zip(&self.bounds).any(near) {
                 continue;

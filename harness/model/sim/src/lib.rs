@@ -38,6 +38,12 @@ pub(crate) type V3 = nalgebra::Vector3<f64>;
 pub(crate) type M3 = nalgebra::Matrix3<f64>;
 pub(crate) type Quat = nalgebra::UnitQuaternion<f64>;
 
+/// A rotation that takes the y axis to a unit vector, an axle's: its other two axes are any.
+pub(crate) fn turn_to_axle(axis: &V3) -> Quat {
+    Quat::rotation_between(&V3::y(), axis)
+        .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI))
+}
+
 /// The unit normal of a surface that rises by `dzdx` and `dzdy` a metre along x and y.
 #[inline]
 pub(crate) fn normal_of([dzdx, dzdy]: [f64; 2]) -> V3 {

@@ -25,12 +25,10 @@ mod vehicle;
 pub use model::{MAX_WHEELS, VehicleModel};
 pub use tyre::TyreSpec;
 pub use vb_files::DocumentError;
+pub use vb_world::GRAVITY;
 pub use vehicle::{Axle, Chassis, Point, Vehicle, VehicleSpec};
 
 type V3 = nalgebra::Vector3<f64>;
 
 /// The scales that a world may have: a length of it over the same length of the full-size world.
 pub const SCALES: std::ops::RangeInclusive<f64> = 0.01..=10.0;
-
-/// The standard gravity as the original uses it, m/s² (Chrono's default, ChSystem.cpp).
-pub const GRAVITY: f64 = 9.81;

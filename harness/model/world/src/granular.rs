@@ -98,8 +98,7 @@ const SIDES: f64 = 8.0;
 const DEEP: f64 = 4.0;
 
 impl GranularBed {
-    /// The maximum number of grains in all beds of a world. 200 000 grains take about 100 MB and an hour of processor time for a
-    /// simulated minute.
+    /// The maximum number of grains in all beds of a world, which limits the memory of a simulation.
     pub const MOST_GRAINS: u64 = 200_000;
 
     /// About how many grains fill the bed.
@@ -164,6 +163,8 @@ impl World {
 
     fn check_bed(&self, k: usize, bed: &GranularBed) -> Result<(), Flaw> {
         let flaw = |field: &str, problem| Err(Flaw::new(Part::Beds, format!("beds[{k}]{field}"), problem));
+        crate::check::check_id(&bed.name)
+            .map_err(|problem| Flaw::new(Part::Beds, format!("beds[{k}].material"), problem))?;
         let largest = bed.material.radius[1];
         for (field, side, least) in
             [(".length", bed.length, SIDES), (".width", bed.width, SIDES), (".depth", bed.depth, DEEP)]

@@ -35,3 +35,6 @@ pub use shard::{SHARDS_VAR, Shard, ShardError};
 pub use task::{Pose2, Task};
 pub use task_id::{TaskId, TaskIdError};
 pub use world::{Density, Elevation, Terrain, World};
+
+/// The acceleration of gravity as the original has it, m/s² (Chrono's default, ChSystem.cpp).
+pub const GRAVITY: f64 = 9.81;

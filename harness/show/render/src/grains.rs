@@ -7,7 +7,7 @@ use vb_world::{GranularBed, World};
 
 /// The colour of a pit's floor and walls over that of its grains.
 const PIT: f64 = 0.45;
-/// How much the brightness of grains differs from one to the next.
+/// Range of the brightness of grains, relative to the brightest.
 const SPREAD: f64 = 0.35;
 
 /// Draws the floors and walls of the pits, and grains, which are octahedra: centres and radii, m.
@@ -21,9 +21,8 @@ pub(crate) fn draw(canvas: &mut Canvas, world: &World, grains: &[([f64; 3], f64)
         if canvas.camera.misses(&centre, *radius) {
             continue;
         }
-        let Some(bed) = world.bed_at(centre.x, centre.y).or(Some(0)).and_then(|b| world.beds.get(b)) else {
-            continue;
-        };
+        // A grain that has left its bed has the colour of the first.
+        let Some(bed) = world.beds.get(world.bed_at(centre.x, centre.y).unwrap_or(0)) else { continue };
         // A fixed brightness for each.
         let shade = 1.0 - SPREAD * f64::from((k as u32).wrapping_mul(2_654_435_761) >> 24) / 255.0;
         let colour = bed.material.class.colour().map(|c| (f64::from(c) * shade) as u8);

@@ -1,16 +1,17 @@
-//! How the grains of granular beds moved in a repeated simulation.
+//! Motion of the grains of granular beds in a repeated simulation.
 
 use serde_json::{Value, json};
 use vb_sim::Simulation;
 use vb_world::World;
 
 use crate::packed::packed;
+use crate::scene::steps;
 
-/// A grain is told again when it has moved by this fraction of its radius.
+/// Displacement from which a move of a grain is stored, in radii.
 const MOVED: f64 = 0.1;
 /// Grains that never moved and are deeper than this below the ground are left out, in radii: others hide them.
 const HIDDEN: f64 = 3.0;
-/// Moves that are told at most: those of ten vehicles that each cross 10 m of gravel.
+/// Maximum number of stored moves; a crossing of 10 m of gravel has about ten thousand.
 const MOST: usize = 2_000_000;
 
 /// The grains that can be seen, and their moves.
@@ -90,20 +91,13 @@ impl Grains {
         grains
     }
 
-    /// For the page, in multiples of a length (m): radii, places at the start, and when how many of the moves are told.
-    pub(crate) fn json(&self, unit: f64, second: f64) -> Value {
-        let mut steps: Vec<[f64; 2]> = Vec::new();
-        for m in &self.moves {
-            match steps.last_mut() {
-                Some([time, count]) if *time == m.time => *count += 1.0,
-                _ => steps.push([m.time, 1.0]),
-            }
-        }
+    /// JSON for the page, lengths as multiples of `unit` (m): radii, initial positions, and moves with their times.
+    pub(crate) fn json(&self, unit: f64) -> Value {
         let moves = self.moves.iter().map(|m| [f64::from(m.grain), m.to[0], m.to[1], m.to[2]]);
         json!({
             "radii": packed(self.radii.iter().map(|r| [*r]), [unit]),
             "start": packed(self.start.iter().copied(), [unit; 3]),
-            "steps": packed(steps.into_iter(), [second, 1.0]),
+            "steps": steps(self.moves.iter().map(|m| m.time)),
             "moves": packed(moves, [1.0, unit, unit, unit]),
         })
     }

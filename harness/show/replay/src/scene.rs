@@ -233,21 +233,26 @@ pub fn live_scene(
 /// The height of a change of the ground that is one on the page, m.
 const RUT: f64 = 1e-3;
 
+/// Events in the order of time for the page: each time (s) with the number of events then.
+pub(crate) fn steps(times: impl Iterator<Item = f64>) -> Value {
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for at in times {
+        match steps.last_mut() {
+            Some([time, count]) if *time == at => *count += 1.0,
+            _ => steps.push([at, 1.0]),
+        }
+    }
+    packed(steps.into_iter(), [TIME, 1.0])
+}
+
 /// Ruts for the page: when how many of them are told, and of each the number of its cell from the west and from the south, and
 /// by how much the ground is higher there.
 fn ruts(m: &Motion, world: &World) -> Value {
     let side = m.soil_resolution;
     let half = [world.heightfield.half_x(), world.heightfield.half_y()];
-    let mut steps: Vec<[f64; 2]> = Vec::new();
-    for rut in &m.ruts {
-        match steps.last_mut() {
-            Some([time, count]) if *time == rut.time => *count += 1.0,
-            _ => steps.push([rut.time, 1.0]),
-        }
-    }
     let cell = |rut: &Rut, axis: usize| (rut.at[axis] + half[axis]) / side - 0.5;
     let ruts = m.ruts.iter().map(|r| [cell(r, 0), cell(r, 1), r.change()]);
-    json!({"side": side, "steps": packed(steps.into_iter(), [TIME, 1.0]), "cells": packed(ruts, [1.0, 1.0, RUT])})
+    json!({"side": side, "steps": steps(m.ruts.iter().map(|rut| rut.time)), "cells": packed(ruts, [1.0, 1.0, RUT])})
 }
 
 /// Units of what wheels and ground do to each other on the page: the share of the weight, the slip, the depth in m.
@@ -311,7 +316,7 @@ fn run(run: &ReplayRun, world: &World) -> Value {
         "wheel_count": m.wheels,
         "wheels": wheels,
         "ruts": ruts(m, world),
-        "grains": m.grains.json(length, TIME),
+        "grains": m.grains.json(length),
         "contact": contact,
         "vehicle": vehicle(spec, length),
         "series": run.series.json(),

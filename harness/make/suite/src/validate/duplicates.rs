@@ -26,17 +26,18 @@ impl Fingerprints {
         let rest =
             hash(&format!("{:?} {:?} {:?} {:?}", world.semantics, world.obstacles, world.tasks, world.beds));
         let new = Fingerprint { id: world.id.clone(), rest, heights, shape };
+        // All level surfaces are equal.
+        let (low, high) = world.heightfield.range();
+        let is_level = low == high;
         let twin = |same: &dyn Fn(&Fingerprint) -> bool| self.seen.iter().find(|f| same(f)).map(|f| &f.id);
         if let Some(id) = twin(&|f| (f.heights, f.rest) == (heights, rest)) {
             let problem =
                 format!("heights, ground, obstacles, beds and tasks are those of {id}: drop one of the two");
             findings.error(Rule::Content, Part::World, "id", &problem);
-        } else if world.heightfield.range().0 == world.heightfield.range().1 {
-            // All level surfaces are equal.
-        } else if let Some(id) = twin(&|f| f.heights == heights) {
+        } else if let Some(id) = twin(&|f| f.heights == heights && !is_level) {
             let problem = format!("has the heights of {id}: take another surface, or drop one of the two");
             findings.warn(Rule::Content, Part::Elevation, "heights", &problem);
-        } else if let Some(id) = twin(&|f| f.shape == shape) {
+        } else if let Some(id) = twin(&|f| f.shape == shape && !is_level) {
             let problem = format!(
                 "has the heights of {id}, turned or mirrored: take another surface, or drop one of the two"
             );

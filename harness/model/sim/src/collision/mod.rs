@@ -208,9 +208,7 @@ impl WheelShape {
 
     fn contact(&self, solid: &Solid, hub: &V3, axis: &V3) -> Option<Contact> {
         // parry's cylinders stand along y.
-        let turn = Quat::rotation_between(&V3::y(), axis)
-            .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI));
-        let wheel = Pose::from_parts(vector(hub), rotation(&turn));
+        let wheel = Pose::from_parts(vector(hub), rotation(&crate::turn_to_axle(axis)));
         solid.contact(&self.core, self.margin, &wheel)
     }
 }

@@ -7,7 +7,7 @@ use super::state::Belt;
 use super::track::Laid;
 use crate::granular::Beds;
 use crate::tyre::Tyre;
-use crate::{Quat, V3};
+use crate::{V3, turn_to_axle};
 use vb_granular::{Motion, Reaction, Shape, Tool};
 use vb_vehicle::{GRAVITY, VehicleSpec};
 
@@ -80,14 +80,10 @@ pub(super) fn press(
         return None;
     }
     let Kinematics { body, placements, .. } = kinematics;
-    let upright = |axis: &V3| {
-        Quat::rotation_between(&V3::y(), axis)
-            .unwrap_or_else(|| Quat::from_axis_angle(&V3::x_axis(), std::f64::consts::PI))
-    };
     let mut motions: Vec<Motion> = Vec::with_capacity(beds.bodies());
     motions.extend(placements.iter().map(|place| {
         let m = &place.motion;
-        Motion { position: m.hub, rotation: upright(&m.axis), velocity: m.velocity, spin: m.rotation }
+        Motion { position: m.hub, rotation: turn_to_axle(&m.axis), velocity: m.velocity, spin: m.rotation }
     }));
     for ((track, belt), laid) in design.tracks.iter().zip(belts).zip(&*laid) {
         motions.extend((0..track.count() - 1).map(|j| laid.span_motion(track, belt, kinematics, j)));

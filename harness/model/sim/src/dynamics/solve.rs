@@ -84,8 +84,8 @@ fn air(design: &Design, body: &Body) -> V3 {
     body.v_world * (-force / speed)
 }
 
-/// What the forces on the wheels and on the hull, the driveline's torques and gravity (world axes, m/s²) do to the velocities within
-/// `dt`, s.
+/// Velocity increments in a step of `dt` (s) under the forces on wheels and hull, the driveline's torques and gravity (world axes,
+/// m/s²).
 pub(super) fn solve(
     design: &Design,
     kinematics: &Kinematics<'_>,

@@ -118,7 +118,7 @@ impl Simulation {
     ///
     /// # Errors
     /// Returns [`SimError::NoSoil`] for a class of the world that the set has no soil for, [`SimError::Grains`] for grains of a bed
-    /// that are larger than a wheel, and [`SimError::Diverged`] if the state becomes one that no vehicle can have.
+    /// that are larger than a wheel, [`SimError::Bed`] for a bed that can't be filled, and [`SimError::Diverged`] if the state becomes one that no vehicle can have.
     pub fn new(
         surroundings: impl Into<Surroundings>,
         model: &VehicleModel,

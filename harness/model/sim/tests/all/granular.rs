@@ -2,14 +2,14 @@
 
 use crate::common::{controls, hmmwv, model, soils};
 use std::sync::Arc;
-use vb_granular::Material;
+use vb_granular::MaterialFile;
 use vb_sim::{SimOptions, Simulation, Surroundings};
 use vb_vehicle::VehicleSpec;
 use vb_world::{GranularBed, Heightfield, Pose2, Semantics, SoilLevels, TerrainClass, World};
 
 /// A level world of 32 × 8 m with one bed in its middle.
 fn bed(material: &str, length: f64, depth: f64) -> Arc<World> {
-    let grains = Material::resolve(material).unwrap().grains;
+    let grains = MaterialFile::resolve(material).unwrap().grains;
     let (rows, cols) = (16, 64);
     let bed = GranularBed {
         name: material.into(),
@@ -107,7 +107,7 @@ fn a_drive_over_grains_has_equal_bits_and_a_clone_goes_on_as_its_original() {
         bits
     };
     let drive = || {
-        // Filled anew.
+        // A second packing of the same bed.
         let again: Surroundings = around.world().clone().into();
         let mut sim = start(hmmwv(), &again, -0.5);
         sim.advance(controls(0.2, 0.4, 0.0), 200).unwrap();

@@ -90,8 +90,9 @@ fn flaw(change: impl FnOnce(&mut World)) -> String {
 
 #[test]
 fn beds_that_cannot_be_are_named_with_what_is_possible() {
-    let cases: [(String, &[&str]); 9] = [
+    let cases: [(String, &[&str]); 10] = [
         (flaw(|w| w.beds[0].depth = 0.1), &["beds[0].depth: 0.1 m must be at least 0.18 m", "0.09 m"]),
+        (flaw(|w| w.beds[0].name = "My stones".into()), &["beds[0].material: \"My stones\" is not an id"]),
         (flaw(|w| w.beds[0].width = 0.0), &["beds[0].width: 0 m must be at least 0.36 m"]),
         (flaw(|w| w.beds[0].x = f64::NAN), &["beds[0]", "lies outside the world"]),
         (flaw(|w| w.beds[0].x = 6.0), &["beds[0]: the bed from [2.0, -2.0] to [10.0, 2.0] lies outside"]),

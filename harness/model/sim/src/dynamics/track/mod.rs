@@ -32,7 +32,7 @@ pub(super) struct Laid {
     thrust: Vec<f64>,
     /// To which wheels a station's force goes: the wheel in front, and the fraction of the one behind.
     fractions: [(usize, f64); TRACK],
-    /// What the grains of granular beds do to each span in a step, about its middle.
+    /// Force of grains on each span in a step, and its moment about the middle of the span.
     pub(super) grains: Vec<Wrench>,
 }
 
