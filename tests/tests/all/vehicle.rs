@@ -124,8 +124,9 @@ fn the_whole_test_measures_every_figure_that_it_is_held_against() {
 fn the_number_of_jobs_changes_nothing() {
     let bench = Bench::new();
     for (out, jobs) in [("a", "1"), ("b", "3")] {
-        let events = ["--event", "static", "--event", "drop", "--event", "rolling", "--event", "free-fall"];
-        let args = [&["vehicle", "test", "hmmwv", "--jobs", jobs, "--out", out], &events[..]].concat();
+        let events = ["static", "drop", "rolling", "free-fall", "grains-bed"].map(|name| ["--event", name]);
+        let args =
+            [&["vehicle", "test", "hmmwv", "--jobs", jobs, "--out", out], events.as_flattened()].concat();
         let _ = bench.run(&args);
     }
     assert!(bench.files("a").len() > 5);

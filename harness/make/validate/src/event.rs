@@ -1,7 +1,7 @@
 //! An event and what it measures.
 
 use crate::characteristics::Characteristics;
-use crate::check::{Expectation, Expected};
+use crate::check::{Expectation, Expected, Kind};
 use crate::course::NamedCourse;
 use crate::geometry::Geometry;
 use crate::pace::Pace;
@@ -205,6 +205,25 @@ impl Outcome {
     ) {
         self.figure(name, value, unit);
         self.theory(name, expected, source);
+    }
+
+    /// A figure with what was published of it.
+    pub(crate) fn published(
+        &mut self,
+        name: &str,
+        value: f64,
+        unit: &'static str,
+        expected: Expected,
+        source: &str,
+    ) {
+        self.figure(name, value, unit);
+        self.theory.push(Expectation {
+            figure: name.to_owned(),
+            expected,
+            kind: Kind::Published,
+            source: source.to_owned(),
+            unsound: None,
+        });
     }
 
     pub(crate) fn note(&mut self, text: impl Into<String>) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use vb_math::{sin, tan};
 use vb_sim::{SimError, SimOptions, Simulation, SoilSet, VehicleState};
 use vb_vehicle::VehicleModel;
-use vb_world::{Heightfield, Pose2, TerrainClass, World};
+use vb_world::{GranularBed, GranularMaterial, Heightfield, Pose2, Semantics, TerrainClass, World};
 
 /// A world of one friction value over the given heights.
 fn world(heightfield: Heightfield, friction: f64) -> Arc<World> {
@@ -62,6 +62,39 @@ pub(crate) fn relief(
     let place = |k: usize, count: usize| (k as f64 - 0.5 * (count - 1) as f64) * resolution;
     let heights = (0..rows * cols).map(|i| height(place(i % cols, cols), place(i / cols, rows))).collect();
     world(Heightfield::new(rows, cols, resolution, heights), friction)
+}
+
+/// Level ground with a bed of grains of `length` × `width` × `depth` m in its middle: whole metres of length and width, so that its edges
+/// lie on borders of patches.
+pub(crate) fn bed(material: &GranularMaterial, length: f64, width: f64, depth: f64) -> Arc<World> {
+    // The ground goes on beyond its edges, its patches too.
+    let (half_x, half_y) = (length as usize, width as usize);
+    let bed = GranularBed {
+        name: material.class.name().into(),
+        material: material.clone(),
+        x: 0.0,
+        y: 0.0,
+        length,
+        width,
+        depth,
+        seed: 1,
+    };
+    let (rows, cols) = (4 * half_y, 4 * half_x);
+    let middle = |k: usize, count: usize| 0.5 * (k as f64 - 0.5 * (count - 1) as f64);
+    let within = |k: usize| bed.contains(middle(k % cols, cols), middle(k / cols, rows));
+    let classes = (0..rows * cols).map(|k| if within(k) { material.class } else { TerrainClass::Concrete });
+    let ground = Heightfield::flat(2 * half_y + 1, 2 * half_x + 1, 1.0, 0.0);
+    let mut world = World::uniform("rig", ground, TerrainClass::Concrete, 0.9);
+    world.semantics = Semantics {
+        rows,
+        cols,
+        patch: 0.5,
+        classes: classes.collect(),
+        friction: vec![0.9; rows * cols],
+        soil: world.semantics.soil,
+    };
+    world.beds.push(bed);
+    Arc::new(world)
 }
 
 fn heights(length: f64, width: f64, resolution: f64, height: impl Fn(f64) -> f64) -> Heightfield {

@@ -1,4 +1,4 @@
-//! Stands: a heap, a plate and a single wheel.
+//! Stands: balances, a heap, a plate and a single wheel.
 
 use crate::{Bed, Bin, GRAVITY, Motion, Packing, PackingError, Quat, Settings, Shape, Tool, V3};
 use vb_world::GranularMaterial;
@@ -6,6 +6,82 @@ use vb_world::GranularMaterial;
 /// Speed of the retreating wall over the square root of the mean radius, √m/s: less than half of √(2 g), which is
 /// that of a grain that has fallen by its radius.
 const RETREAT: f64 = 2.0;
+
+/// How well a bed keeps what physics keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Momentum of grains and tool that came from nowhere, over the impulse on the tool.
+    pub momentum: f64,
+    /// The same of angular momentum about the origin, over the tool's.
+    pub angular_momentum: f64,
+    /// The largest rise of the energy of a heap that collapses above the least before it, over the first energy.
+    pub energy_gain: f64,
+    /// The part of its energy that the heap had left at the end.
+    pub energy_left: f64,
+    /// The part of the energy that was kinetic at the end.
+    pub energy_kinetic: f64,
+    /// Load on the floor over the weight of the grains at rest. Walls are smooth, so they bear nothing.
+    pub floor_load: f64,
+}
+
+/// Balances of a bin that is 16 mean radii long and wide and 8 deep: a wheel turns in free space among the grains for 0.2 s, their heap
+/// collapses for 1.5 s when its walls are gone, and the grains rest on the floor for 0.3 s.
+///
+/// # Errors
+/// Returns an error if the bin is too large for the grains, which it is not for valid materials.
+pub fn balance(material: &GranularMaterial, seed: u64) -> Result<Balance, PackingError> {
+    let r = material.mean_radius();
+    let bin = Bin { length: 16.0 * r, width: 16.0 * r, depth: 8.0 * r };
+    let packing = Packing::poured(material, bin, seed)?;
+    let settings = Settings::default();
+
+    let shape = Shape::Wheel { radius: 4.0 * r, width: 3.2 * r, shoulder: 0.8 * r };
+    let mut free =
+        Bed::new(&packing, material, vec![Tool { shape, friction: 0.7, stiffness: 2e5 }], settings);
+    free.without_gravity();
+    free.without_bin();
+    let motion = Motion {
+        position: V3::new(1.3 * r, -0.8 * r, 10.0 * r),
+        rotation: Quat::from_axis_angle(&V3::x_axis(), 0.2),
+        velocity: V3::zeros(),
+        spin: V3::new(0.5, 4.0, -1.0),
+    };
+    let (mut impulse, mut moment) = (V3::zeros(), V3::zeros());
+    for _ in 0..200 {
+        let reaction = free.step(&[motion])[0];
+        impulse += reaction.impulse;
+        moment += reaction.moment + motion.position.cross(&reaction.impulse);
+    }
+    let [momentum, about_origin] = free.momentum();
+
+    let mut heap = Bed::new(&packing, material, Vec::new(), settings);
+    heap.open(f64::INFINITY);
+    heap.step(&[]);
+    let energy = |bed: &Bed| bed.kinetic_energy() + bed.potential_energy() + bed.elastic_energy();
+    let first = energy(&heap);
+    let (mut least, mut gain) = (first, 0.0_f64);
+    for _ in 0..1500 {
+        heap.step(&[]);
+        let now = energy(&heap);
+        gain = gain.max((now - least) / first);
+        least = least.min(now);
+    }
+
+    let mut rest = Bed::new(&packing, material, Vec::new(), settings);
+    let mut load = 0.0;
+    for _ in 0..300 {
+        rest.step(&[]);
+        load += rest.floor_load() / 300.0;
+    }
+    Ok(Balance {
+        momentum: (momentum + impulse).norm() / impulse.norm(),
+        angular_momentum: (about_origin + moment).norm() / moment.norm(),
+        energy_gain: gain,
+        energy_left: least / first,
+        energy_kinetic: heap.kinetic_energy() / first,
+        floor_load: load / (rest.mass() * GRAVITY),
+    })
+}
 
 /// Slope of the heap that is left behind a wall that moves away slowly, rad: a straight line through the surface between 30 and 80 %
 /// of the height. The bin is 32 mean radii long, 20 wide and 20 deep.

@@ -1,6 +1,6 @@
 //! Beds against published figures, on small beds; `cargo run --release -p vb-granular --example published` has larger ones.
 
-use vb_granular::rig::{Wheel, bekker, plate};
+use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
 use vb_granular::{Bin, MaterialFile, Packing, Settings};
 use vb_world::GranularMaterial;
 
@@ -18,6 +18,13 @@ fn poured_grains_fill_as_much_as_random_packings() {
         let fraction = packing.fraction_below(0.3 * side);
         assert!((0.53..0.64).contains(&fraction), "{name}: {} grains fill {fraction}", packing.grains.len());
     }
+}
+
+/// Dry sand 34° (Glover, Pocket Ref, 1995); heaps of so few grains vary by 3°.
+#[test]
+fn a_heap_of_sand_has_the_slope_of_sand() {
+    let angle = angle_of_repose(&material("sand"), 1).unwrap().to_degrees();
+    assert!((30.0..38.0).contains(&angle), "{angle}°");
 }
 
 /// Bekker's p = k zⁿ, as measured under plates on sand and gravel.

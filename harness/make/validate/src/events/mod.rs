@@ -7,6 +7,7 @@ mod courses;
 mod data_sheet;
 mod energy;
 mod grades;
+mod grains;
 mod kinematics;
 mod longitudinal;
 mod obstacle;
@@ -78,6 +79,9 @@ const EVENTS: &[Event] = &[
     soil::GRADE,
     soil::GRID,
     tracks::PULL,
+    grains::MATERIAL,
+    grains::WHEEL,
+    grains::VEHICLE,
     convergence::CONVERGENCE,
 ];
 

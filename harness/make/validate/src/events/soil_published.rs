@@ -23,20 +23,6 @@ fn default_set<'a>(bench: &Bench<'a>, o: &mut Outcome) -> Option<&'a SoilSet> {
     set
 }
 
-impl Outcome {
-    /// A figure with what was published of it.
-    fn published(&mut self, name: &str, value: f64, unit: &'static str, expected: Expected, source: &str) {
-        self.figure(name, value, unit);
-        self.theory.push(Expectation {
-            figure: name.to_owned(),
-            expected,
-            kind: Kind::Published,
-            source: source.to_owned(),
-            unsound: None,
-        });
-    }
-}
-
 pub(super) const SLIP: Event = Event {
     name: "slip-sinkage",
     title: "Slip sinkage on soil",

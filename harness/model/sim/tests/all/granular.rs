@@ -159,3 +159,45 @@ fn grains_larger_than_a_wheel_are_refused() {
     let message = made.err().unwrap().to_string();
     assert!(message.contains("radius 0.5 m, larger than the vehicle's wheels of radius 0.4"), "{message}");
 }
+
+#[test]
+fn a_car_drives_from_deformable_soil_onto_grains() {
+    let mut world = (*bed("gravel", 2.0, 0.2)).clone();
+    world.terrain = vb_world::Terrain::Mixed;
+    for (class, friction) in world.semantics.classes.iter_mut().zip(&mut world.semantics.friction) {
+        if *class == TerrainClass::Concrete {
+            (*class, *friction) = (TerrainClass::Sand, 0.0);
+        }
+    }
+    world.check().unwrap();
+    let around: Surroundings = Arc::new(world).into();
+    let mut sim = start(hmmwv(), &around, -4.0);
+    let rut = sim.state().wheels.iter().map(|w| w.sinkage).fold(f64::INFINITY, f64::min);
+    assert!(rut > 0.005, "all wheels stand in soil, the least by {rut} m");
+    while sim.state().position.x < 0.0 && sim.time() < 12.0 {
+        sim.advance(controls(0.0, 0.7, 0.0), 20).unwrap();
+    }
+    // All wheels bear the weight together, wherever they are.
+    let load = mean_load(&mut sim, 0.3, 0.0, 400);
+    assert!((load / weight(hmmwv()) - 1.0).abs() < 0.05, "{load} of {} N", weight(hmmwv()));
+    assert!(sim.state().position.x > 0.0, "{:?}", sim.state());
+}
+
+#[test]
+fn a_bed_at_scale_one_tenth_bears_a_vehicle_of_this_scale_as_the_bed_does_one_of_full_size() {
+    let spec = include_str!("../../../../../tasks/vehicles/verti4wheeler.yaml");
+    let small = || VehicleSpec::parse(spec, "verti4wheeler.yaml").unwrap();
+    let scale = small().scale;
+    let around: Surroundings = Arc::new(World::clone(&bed("gravel", 8.0, 0.2)).at_scale(scale)).into();
+    let radius = around.world().beds[0].material.radius[1];
+    assert!((radius - 0.045 * scale).abs() < 1e-12, "{radius}");
+    let mut sim = start(small(), &around, -1.0 * scale);
+    mean_load(&mut sim, 0.0, 1.0, 300);
+    let load = mean_load(&mut sim, 0.0, 1.0, 200);
+    assert!((load / weight(small()) - 1.0).abs() < 0.02, "{load} of {} N", weight(small()));
+    let deepest = sim.state().wheels.iter().map(|w| w.sinkage).fold(0.0, f64::max);
+    assert!(deepest < 0.15 * scale, "{deepest} m");
+    let before = sim.state().position.x;
+    mean_load(&mut sim, 0.6, 0.0, 800);
+    assert!(sim.state().position.x - before > 0.3 * scale, "{:?}", sim.state());
+}
