@@ -60,7 +60,33 @@ def write_commands(program: Path | None, pages: Pages) -> str:
     return cli.navigation(found, places, indent)
 
 
-def prepare(folder: Path, program: Path | None) -> Path:
+def leaderboard_page(board: Path | None) -> str:
+    """The page of the leaderboard of the reference planners, which is in a folder (`cargo xtask leaderboard`) or missing."""
+    lines = ["# Leaderboard", ""]
+    if board is None:
+        lines += [
+            "This copy of the documentation was built without the leaderboard of the reference planners, which needs their runs: "
+            "`cargo xtask results vb-100-hmmwv`, then `cargo xtask leaderboard`, both in a checkout.",
+        ]
+    else:
+        try:
+            boards = json.loads((board / "leaderboard.json").read_text(encoding="utf-8"))["boards"]
+        except OSError as e:
+            raise SiteError(f"{board}: no leaderboard is here ({e.strerror}); make one with `cargo xtask leaderboard`, or leave out --leaderboard") from None
+        lines += ["The paper's planners, submitted and verified like those of entrants (`cargo xtask leaderboard`)."]
+        for one in boards:
+            lines += ["", f"## {one['suite']['name']}, {one['vehicle']['name']}", "", "| rank | planner | success, % (95 %) | mean time, s |", "|---|---|---|---|"]
+            for entry in one["entries"]:
+                tie, rate, time = "=" if entry["tied"] else "", entry["success_rate"], entry["time_s"]
+                percent = "{:.1f} ({:.1f}–{:.1f})".format(*(100 * rate[k] for k in ("mean", "low", "high")))
+                seconds = "–" if time is None else f"{time['mean']:.1f}"
+                lines.append(f"| {entry['rank']}{tie} | [{entry['planner']}](board/{entry['page']}) | {percent} | {seconds} |")
+        lines += ["", "`=`: a tie, the difference is not significant. [All figures, maps and records](board/index.html)."]
+    lines += ["", "[Results](benchmark-results.md) has the planners by terrain and cause of failure, [submissions](leaderboard.md) how to enter a planner."]
+    return "\n".join(lines) + "\n"
+
+
+def prepare(folder: Path, program: Path | None, board: Path | None) -> Path:
     """Writes the pages and the settings for MkDocs into a folder, and returns the settings' file."""
     docs = folder / "pages"
     pages = Pages(ROOT, docs)
@@ -75,6 +101,9 @@ def prepare(folder: Path, program: Path | None) -> Path:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text, encoding="utf-8")
     pages.write_all()
+    (docs / "leaderboard-of-planners.md").write_text(leaderboard_page(board), encoding="utf-8")
+    if board is not None:
+        shutil.copytree(board, docs / "board")
     settings = (HERE / "mkdocs.yml").read_text(encoding="utf-8")
     settings = re.sub(r'"@root(/[^"]*)"', lambda match: json.dumps(f"{ROOT.as_posix()}{match[1]}"), settings)
     settings = re.sub(r'^ *- "@commands"$', lambda _: commands, settings, flags=re.MULTILINE)
@@ -133,13 +162,15 @@ def check_site(out: Path) -> int:
     return len(texts)
 
 
-def build(out: Path, program: Path | None) -> int:
+def build(out: Path, program: Path | None, board: Path | None) -> int:
     """Builds the site into a folder, and returns the number of pages."""
     check_out(out)
     with tempfile.TemporaryDirectory() as folder:
-        run_mkdocs(prepare(Path(folder), program), out)
+        run_mkdocs(prepare(Path(folder), program, board), out)
     if program is None:
         print("the pages of the command line are left out (--without-cli)", file=sys.stderr)
+    if board is None:
+        print("the leaderboard is left out: target/leaderboard is missing", file=sys.stderr)
     return check_site(out)
 
 
@@ -154,16 +185,22 @@ def main() -> int:
         help="program whose command line is documented; default: target/release/vb-harness",
     )  # fmt: skip
     which.add_argument("--without-cli", action="store_true", help="leave out the pages of the command line, which need the program")
+    parser.add_argument(
+        "--leaderboard", type=Path, metavar="DIR",
+        help="leaderboard to include, from cargo xtask leaderboard; default: target/leaderboard if it exists",
+    )  # fmt: skip
     arguments = parser.parse_args()
     program = None if arguments.without_cli else arguments.program.absolute()
+    made = ROOT / "target/leaderboard"
+    board = arguments.leaderboard.absolute() if arguments.leaderboard else made if made.is_dir() else None
     try:
         if arguments.check:
             with tempfile.TemporaryDirectory() as folder:
-                pages = build(Path(folder), program)
+                pages = build(Path(folder), program, board)
             print(f"{pages} pages, no broken links, no warnings")
         else:
             out = arguments.out.absolute()
-            pages = build(out, program)
+            pages = build(out, program, board)
             print(f"{pages} pages in {out}; open {out / 'index.html'}")
     except SiteError as e:
         for problem in e.problems:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
+import build
 from generator import SiteError, cli, markdown, pages, python_reference
 
 
@@ -159,18 +161,33 @@ class PythonReference(unittest.TestCase):
         self.assertIn("::: vertibench.envs.sb3.make_vec\n", found["python-reference/vertibench.envs.md"])
 
 
+class Leaderboard(unittest.TestCase):
+    def test_the_page_has_ranks_with_links_or_says_how_to_get_them(self) -> None:
+        self.assertIn("`cargo xtask leaderboard`", build.leaderboard_page(None))
+        entry = {
+            "rank": 2, "tied": True, "planner": "tal", "page": "entries/tal/index.html", "time_s": None,
+            "success_rate": {"mean": 0.639, "low": 0.567, "high": 0.712},
+        }  # fmt: skip
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaises(SiteError):
+                build.leaderboard_page(Path(folder))
+            text = json.dumps({"boards": [{"suite": {"name": "vb-100"}, "vehicle": {"name": "hmmwv"}, "entries": [entry]}]})
+            Path(folder, "leaderboard.json").write_text(text, encoding="utf-8")
+            self.assertIn("| 2= | [tal](board/entries/tal/index.html) | 63.9 (56.7–71.2) | – |", build.leaderboard_page(Path(folder)))
+
+
 class Program(unittest.TestCase):
     def test_a_missing_program_is_reported_with_the_remedy(self) -> None:
-        build = Path(__file__).with_name("build.py")
-        done = subprocess.run([sys.executable, build, "--check", "--program", "/nowhere/vb-harness"], capture_output=True, text=True, check=False)
+        script = Path(__file__).with_name("build.py")
+        done = subprocess.run([sys.executable, script, "--check", "--program", "/nowhere/vb-harness"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("/nowhere/vb-harness: no such file; build it with", done.stderr)
 
     def test_a_folder_with_other_files_is_not_emptied(self) -> None:
-        build = Path(__file__).with_name("build.py")
+        script = Path(__file__).with_name("build.py")
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "mine").touch()
-            done = subprocess.run([sys.executable, build, "--without-cli", "--out", folder], capture_output=True, text=True, check=False)
+            done = subprocess.run([sys.executable, script, "--without-cli", "--out", folder], capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 1)
             self.assertIn("no earlier site", done.stderr)
             self.assertTrue(Path(folder, "mine").is_file())

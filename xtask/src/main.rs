@@ -73,6 +73,9 @@ Tasks:
   results [COURSE]...   Drive the planners over the suites and the original's worlds, or over some of these courses, and write the
                         tables of results in README and docs, and state hashes in docs/results (--resume: continue the runs in
                         target/results; --verify: drive a tenth of the tasks and compare state hashes)
+  leaderboard [--out DIR]
+                        Submit, verify and rank the runs that `results vb-100-hmmwv` left, as a leaderboard for the documentation
+                        site [default DIR: target/leaderboard]
   sensitivity           Run PID and TAL over 200 tasks of vb-100 with each uncertain parameter of vehicle and soils at its
                         bounds, and print the success rates (--resume: take complete runs as they are, continue others)
   tune PLANNER          Let candidates for its parameters drive training worlds, and print what became of them
@@ -135,6 +138,8 @@ fn main() -> ExitCode {
         ["models"] => models::models(),
         ["kernel", ref architectures @ ..] => kernel::kernel(architectures),
         ["results", ref options @ ..] => results::results(options),
+        ["leaderboard"] => results::leaderboard(&target_dir().join("leaderboard")),
+        ["leaderboard", "--out", dir] => results::leaderboard(Path::new(dir)),
         ["sensitivity", ref options @ ..] => sensitivity::sensitivity(options),
         ["tune", planner] => build_all().and_then(|()| tune::tune(planner)),
         ["soak"] => build_all().and_then(|()| soak::soak(None)),

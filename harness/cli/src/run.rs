@@ -167,6 +167,8 @@ fn config_with(args: &RunArgs, planner: Option<Plugin>) -> Result<RunConfig, Cli
             last.unwrap_or_else(|| places::new_run_dir(name))
         }
     };
+    // One that selects all tasks is none: the run is one of the whole suite.
+    let selector = args.drive.tasks.clone().filter(|_| tasks.len() < suite.task_count());
     let (mut tasks, mut shard) = (tasks, None);
     if let Some(part) = args.drive.shard {
         shard = Some(ShardHeader { index: part.index(), of: part.of(), tasks: tasks.len() as u64 });
@@ -178,7 +180,7 @@ fn config_with(args: &RunArgs, planner: Option<Plugin>) -> Result<RunConfig, Cli
     Ok(RunConfig {
         suite,
         tasks,
-        selector: args.drive.tasks.clone(),
+        selector,
         shard,
         plugin,
         plugin_path: wanted.to_owned(),

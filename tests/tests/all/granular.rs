@@ -123,3 +123,26 @@ fn beds_that_cannot_be_driven_on_end_in_one_message() {
     let message = bench.run(&["suite", "validate", "./beds"]).error(3);
     assert!(message.contains("beds.yaml"), "{message}");
 }
+
+#[test]
+fn training_worlds_with_beds_give_datasets_of_drives_on_grains() {
+    let bench = Bench::new();
+    bench.write("rules.yaml", RULES);
+    let generate = |seed: &'static str, more: &[&'static str]| {
+        let args =
+            ["suite", "generate", "--granular", "--seed", seed, "--params", "rules.yaml", "--out", "beds"];
+        bench.run(&[&args[..], more].concat())
+    };
+    // Seeds of training worlds and those of suites are apart here, too.
+    assert!(generate("7300", &[]).error(3).contains("are kept for training worlds"));
+    assert!(
+        generate("3", &["--training"]).error(3).contains("training worlds have a seed from 7000 to 7999")
+    );
+    generate("7300", &["--training"]).ok();
+    let pid = pid();
+    let pid = pid.to_str().expect("paths of tests are text");
+    let drive = ["dataset", "drive", "--plugin", pid, "--suite", "./beds", "--out", "drives"];
+    assert!(bench.ok(&drive).contains("2 episodes (2 success)"));
+    assert!(bench.path("drives/suite/worlds/w001/beds.yaml").exists());
+    bench.ok(&["dataset", "validate", "drives"]);
+}

@@ -338,6 +338,18 @@ fn accepted(mini: &Mini) {
 }
 
 #[test]
+fn a_run_whose_selector_selects_all_tasks_is_one_of_the_whole_suite() {
+    let mini = Mini::new();
+    let pid = pid();
+    let pid = text(&pid);
+    mini.ok(&["run", pid, "--suite", "mini", "--tasks", "w*", "--trace", "none", "--out", "run"]);
+    assert_eq!(mini.bench.json("run/run.json")["selector"], Value::Null);
+    mini.ok(&["submit", pid, "--run", "run", "--out", "s"]);
+    let manifest = mini.bench.json("s/submission.json");
+    assert_eq!(manifest["division"], "ranked", "{}", manifest["open_because"]);
+}
+
+#[test]
 fn replays_that_cannot_be_carried_along_are_refused_before_anything_is_driven() {
     let bench = Bench::new();
     let submit = |replays: &str| {

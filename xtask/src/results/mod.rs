@@ -1,8 +1,11 @@
 //! The results of planners over the suites, as tables in README and docs.
 
 mod hashes;
+mod leaderboard;
 mod published;
 mod table;
+
+pub(crate) use leaderboard::leaderboard;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -123,7 +123,7 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) params: Option<PathBuf>,
     /// Generate granular beds that two tasks each cross; the rules list the beds
-    #[arg(long, conflicts_with_all = ["worlds", "training", "calibrate"])]
+    #[arg(long, conflicts_with_all = ["worlds", "calibrate"])]
     pub(crate) granular: bool,
     /// Generate training worlds, with a seed from 7000 to 7999; other suites can't use these seeds
     #[arg(long)]

@@ -159,6 +159,7 @@ pub(crate) fn generate(args: &GenerateArgs) -> Result<(), CliError> {
 fn granular(args: &GenerateArgs) -> Result<(), CliError> {
     let drawn = &args.drawn;
     must_be_free(&drawn.out)?;
+    keep_apart(drawn.seed, args.training)?;
     let params = rules::<GranularParams>(args.params.as_deref())?;
     let suite = GranularSuite::new(&params, args.params.as_deref(), drawn.seed).map_err(CliError::input)?;
     let worlds = suite.worlds().map_err(CliError::input)?;

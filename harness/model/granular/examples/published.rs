@@ -1,7 +1,7 @@
 //! The figures of docs/granular.md.
 #![expect(clippy::print_stdout, reason = "a program that prints a table")]
 
-use vb_granular::rig::{Wheel, angle_of_repose, bekker, plate};
+use vb_granular::rig::{Traction, Wheel, angle_of_repose, bekker, plate};
 use vb_granular::{Bin, MaterialFile, Packing, PackingError, Settings};
 use vb_world::GranularMaterial;
 
@@ -21,16 +21,16 @@ fn main() -> Result<(), PackingError> {
         let (k, n, r2) = bekker(&pressures[1..]);
         println!("  plate {:.2} m wide: k {k:.3e} Pa/m^n, n {n:.2}, R² {r2:.3}", 8.0 * r);
 
-        let wheel = Wheel { radius: 0.47, width: 0.26, load: 6000.0, friction: 0.8, speed: 0.5 };
-        let settings = Settings { reach: 0.4, ..Settings::default() };
-        let bin = Bin { length: 2.6, width: 0.9, depth: 10.0 * r };
-        let packing = Packing::poured(&material, bin, 1)?;
-        for slip in [-0.05, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6] {
-            let t = wheel.drive(&packing, &material, slip, settings);
+        let wheel = Wheel { radius: 0.47, width: 0.26, load: 6000.0, friction: 0.8, speed: 1.0 };
+        let settings = Settings { reach: 0.3, ..Settings::default() };
+        let show = |what: &str, [t, error]: [Traction; 2]| {
             println!(
-                "  slip {slip:5.2}: pull {:.3}, gross {:.3}, sinkage {:.3} m",
-                t.pull, t.gross, t.sinkage
+                "  {what}: pull {:.2} ± {:.2}, gross {:.2} ± {:.2}, sinkage {:.3} ± {:.3} m",
+                t.pull, error.pull, t.gross, error.gross, t.sinkage, error.sinkage
             );
+        };
+        for slip in [-0.05, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8] {
+            show(&format!("slip {slip:5.2}"), wheel.mean(&material, slip, settings)?);
         }
         let finer = GranularMaterial { radius: material.radius.map(|r| 0.75 * r), ..material.clone() };
         for (what, material, settings) in [
@@ -38,12 +38,7 @@ fn main() -> Result<(), PackingError> {
             ("twice the stiffness", &material, Settings { stiffness: 2.0 * settings.stiffness, ..settings }),
             ("grains of 3/4 the size", &finer, settings),
         ] {
-            let packing = Packing::poured(material, bin, 1)?;
-            let t = wheel.drive(&packing, material, 0.2, settings);
-            println!(
-                "  slip 0.20, {what}: pull {:.3}, gross {:.3}, sinkage {:.3} m",
-                t.pull, t.gross, t.sinkage
-            );
+            show(&format!("slip 0.20, {what}"), wheel.mean(material, 0.2, settings)?);
         }
     }
     Ok(())

@@ -208,7 +208,36 @@ pub struct Traction {
     pub sinkage: f64,
 }
 
+/// The bed of [`Wheel::mean`]: long enough to average over stones.
+const TRACK: Bin = Bin { length: 3.6, width: 0.9, depth: 0.3 };
+
 impl Wheel {
+    /// Mean and standard error of [`Self::drive`] over the beds of 3.6 × 0.9 × 0.3 m of six seeds.
+    ///
+    /// # Errors
+    /// Returns an error if the bed is too small or too large for the grains.
+    pub fn mean(
+        &self,
+        material: &GranularMaterial,
+        slip: f64,
+        settings: Settings,
+    ) -> Result<[Traction; 2], PackingError> {
+        let drive = |seed| {
+            let run = self.drive(&Packing::tiled(material, TRACK, seed, settings)?, material, slip, settings);
+            Ok([run.pull, run.gross, run.sinkage])
+        };
+        let runs = (1..=6).map(drive).collect::<Result<Vec<_>, PackingError>>()?;
+        let n = runs.len() as f64;
+        let traction =
+            |value: &dyn Fn(usize) -> f64| Traction { pull: value(0), gross: value(1), sinkage: value(2) };
+        let mean = |k: usize| runs.iter().map(|run| run[k]).sum::<f64>() / n;
+        let error = |k: usize| {
+            let squares = runs.iter().map(|run| (run[k] - mean(k)) * (run[k] - mean(k)));
+            (squares.sum::<f64>() / (n * (n - 1.0))).sqrt()
+        };
+        Ok([traction(&mean), traction(&error)])
+    }
+
     /// Drives the wheel along the bin at a constant speed and slip (1 − v/(ω r)); it is free to sink. It starts a radius from the
     /// first wall and ends a radius from the last.
     #[must_use]
