@@ -138,7 +138,7 @@ fn training_worlds_with_beds_give_datasets_of_drives_on_grains() {
     assert!(
         generate("3", &["--training"]).error(3).contains("training worlds have a seed from 7000 to 7999")
     );
-    generate("7300", &["--training"]).ok();
+    assert!(generate("7300", &["--training"]).ok().contains("1 worlds, 2 tasks"));
     let pid = pid();
     let pid = pid.to_str().expect("paths of tests are text");
     let drive = ["dataset", "drive", "--plugin", pid, "--suite", "./beds", "--out", "drives"];

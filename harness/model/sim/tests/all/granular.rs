@@ -191,7 +191,7 @@ fn a_bed_at_scale_one_tenth_bears_a_vehicle_of_this_scale_as_the_bed_does_one_of
     let around: Surroundings = Arc::new(World::clone(&bed("gravel", 8.0, 0.2)).at_scale(scale)).into();
     let radius = around.world().beds[0].material.radius[1];
     assert!((radius - 0.045 * scale).abs() < 1e-12, "{radius}");
-    let mut sim = start(small(), &around, -1.0 * scale);
+    let mut sim = start(small(), &around, -scale);
     mean_load(&mut sim, 0.0, 1.0, 300);
     let load = mean_load(&mut sim, 0.0, 1.0, 200);
     assert!((load / weight(small()) - 1.0).abs() < 0.02, "{load} of {} N", weight(small()));
