@@ -10,6 +10,7 @@ import argparse
 import json
 import lzma
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -116,6 +117,18 @@ def ten_tasks(package: Installed) -> None:
     assert (package.folder / "replay.html").stat().st_size > 100_000
 
 
+def projects(package: Installed) -> None:
+    """Planners are begun without a checkout: a crate whose SDK is in the package, and a planner with NumPy."""
+    package.run("vertibench", "plugin", "new", "fox", "--lang", "rust")
+    manifest = (package.folder / "fox/Cargo.toml").read_text(encoding="utf-8")
+    sdk = Path(re.search(r'vb-sdk = .*path = "([^"]+)"', manifest)[1])
+    assert (sdk / "Cargo.toml").is_file() and (sdk / "vb-math/Cargo.toml").is_file(), sdk
+    assert "Planner" in package.python("import vertibench_planner; print(vertibench_planner.Planner)")
+    package.run("vertibench", "plugin", "new", "hare", "--lang", "numpy")
+    told = package.run("vertibench", "run", "python3 hare/planner.py", "--suite", "smoke", "--tasks", "w001/t00", "--out", "hare-run")
+    assert "100.0" in told, told
+
+
 def datasets(package: Installed) -> None:
     """The converter is there; without pyarrow it says what to install."""
     assert "to-minari" in package.run("python", "-m", "vertibench.datasets", "--help")
@@ -150,7 +163,7 @@ def documents(package: Installed) -> None:
         sys.exit("\n".join(f"error: {failure}" for failure in failures))
 
 
-CHECKS = [versions, paths, kernels, planners, ten_tasks, datasets, documents, own_tests]
+CHECKS = [versions, paths, kernels, planners, ten_tasks, projects, datasets, documents, own_tests]
 
 
 def main() -> None:

@@ -53,6 +53,37 @@ pub(crate) fn planners() -> Result<Vec<PathBuf>, Failure> {
     Ok(plugins::to_drive_with()?.iter().map(|name| folder.join(format!("{name}.wasm"))).collect())
 }
 
+/// Returns the SDK for Rust as a folder of its own, with paths in it: the crate is the root of a workspace, from which it inherits what
+/// it inherits from that of the repository, and which has the one crate that it needs.
+pub(crate) fn sdk() -> Result<Vec<(PathBuf, Vec<u8>)>, Failure> {
+    const MATH: &str = "harness/base/math";
+    let root = crate::root();
+    let mut files = Vec::new();
+    for (from, to) in [("sdk/Cargo.toml", ""), ("sdk/src", ""), ("sdk/wit", ""), (MATH, "vb-math")] {
+        let base = if from == MATH { MATH } else { "sdk" };
+        for file in sources(from)? {
+            let within = file.strip_prefix(base).unwrap_or(&file);
+            // Their tests and benchmarks need more crates.
+            if within.starts_with("src") || within.starts_with("wit") || within.ends_with("Cargo.toml") {
+                files.push((Path::new(to).join(within), read(&root.join(&file))?));
+            }
+        }
+    }
+    let manifest = String::from_utf8_lossy(&read(&root.join("Cargo.toml"))?).into_owned();
+    let inherited = manifest
+        .split_once("[workspace.package]")
+        .and_then(|(_, rest)| rest.split_once("[profile."))
+        .map(|(inherited, _)| inherited.replace(MATH, "vb-math"))
+        .ok_or_else(|| Failure::new("Cargo.toml: [workspace.package] or [profile.…] after it is missing"))?;
+    let own = files.iter_mut().find(|(path, _)| path == Path::new("Cargo.toml"));
+    let (_, own) = own.ok_or_else(|| Failure::new("sdk/Cargo.toml: missing"))?;
+    own.extend_from_slice(
+        format!("\n[workspace]\nresolver = \"3\"\nmembers = [\"vb-math\"]\n\n[workspace.package]{inherited}")
+            .as_bytes(),
+    );
+    Ok(files)
+}
+
 /// Copies a program without its symbols, a fifth of its size. They remain if `strip` is missing or made for another processor.
 pub(crate) fn copy_stripped(program: &Path, to: &Path) -> Result<(), Failure> {
     std::fs::copy(program, to).map_err(failure(program))?;
@@ -77,6 +108,22 @@ mod tests {
         let mut walked = Vec::new();
         walk(&crate::root().join("harness/python/vertibench"), &mut walked).unwrap();
         assert!(walked.len() >= files.len() && walked.iter().all(|file| file.is_file()));
+    }
+
+    /// Cargo resolves it where nothing else of the repository is.
+    #[test]
+    fn the_sdk_is_a_package_of_its_own() {
+        let folder = crate::target_dir().join("tmp/sdk-alone");
+        crate::run::remove(&folder).unwrap();
+        for (path, content) in sdk().unwrap() {
+            let file = folder.join(path);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(&file, content).unwrap();
+        }
+        let mut cargo = Command::new(crate::run::cargo_program());
+        cargo.args(["metadata", "--no-deps", "--format-version", "1"]).current_dir(&folder);
+        let told = output(&mut cargo).unwrap();
+        assert!(told.contains("vb-sdk") && told.contains("vb-math"), "{told}");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::licences;
 use crate::options::Options;
-use crate::package::{copy_stripped, failure, planners, read, sources};
+use crate::package::{self, copy_stripped, failure, planners, read, sources};
 use crate::run::{Failure, cargo_program, output, remove, run, step};
 use crate::targets::TASKS;
 use crate::{built, default_plugin_dir, plugins, portable, target_dir};
@@ -86,6 +86,9 @@ fn files(program: &Path, shell: &Path, target: &str) -> Result<Files, Failure> {
     add(Path::new(portable::program_name(target)), read(&stripped)?, 0o755);
     for file in sources("tasks")? {
         add(&file, read(&crate::root().join(&file))?, 0o644);
+    }
+    for (path, content) in package::sdk()? {
+        add(&Path::new("sdk").join(path), content, 0o644);
     }
     for file in planners()? {
         add(&Path::new("plugins").join(file.file_name().unwrap_or_default()), read(&file)?, 0o644);
@@ -206,6 +209,9 @@ fn check(archive: &Path, target: &str) -> Result<(), Failure> {
     command.current_dir(folder.join("empty")).env("HOME", folder.join("empty"));
     command.env("VB_DATA", folder.join("data")).env_remove("VB_TASKS").env_remove("VB_PLUGINS");
     run(&mut command)?;
+    let mut project = Command::new(inner.join(portable::program_name(target)));
+    project.args(["plugin", "new", "fox", "--lang", "rust"]).current_dir(folder.join("empty"));
+    run(&mut project)?;
     if folder.join("data").exists() {
         return Err(Failure::new("the program unpacked tasks, although they lie beside it"));
     }

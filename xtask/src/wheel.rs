@@ -8,7 +8,7 @@ use std::process::Command;
 
 use crate::examples::{Compiler, python};
 use crate::options::Options;
-use crate::package::{copy_stripped, failure, planners, read, sources};
+use crate::package::{self, copy_stripped, failure, planners, read, sources};
 use crate::portable::{self, GLIBC};
 use crate::release::host;
 use crate::run::{Failure, remove, run, step};
@@ -94,9 +94,19 @@ fn stage(folder: &Path, program: &Path, kernels: Option<&Path>, target: &str) ->
     for file in sources("harness/python/vertibench")? {
         copy(&root.join(&file), &folder.join(file.strip_prefix("harness/python").unwrap_or(&file)))?;
     }
+    let planner = "sdk/python/src";
+    for file in sources(planner)? {
+        copy(&root.join(&file), &folder.join(file.strip_prefix(planner).unwrap_or(&file)))?;
+    }
     let data = folder.join("vertibench/_data");
     for file in sources("tasks")? {
         copy(&root.join(&file), &data.join(&file))?;
+    }
+    for (path, content) in package::sdk()? {
+        let file = data.join("sdk").join(path);
+        let parent = file.parent().unwrap_or(&data);
+        std::fs::create_dir_all(parent).map_err(failure(parent))?;
+        std::fs::write(&file, content).map_err(failure(&file))?;
     }
     for file in planners()? {
         copy(&file, &data.join("plugins").join(file.file_name().unwrap_or_default()))?;
@@ -120,17 +130,27 @@ fn stage(folder: &Path, program: &Path, kernels: Option<&Path>, target: &str) ->
     Ok(())
 }
 
-/// Returns the package's `pyproject.toml` for another folder: the manifest's path is absolute.
+/// Returns the package's `pyproject.toml` for the folder of the wheel: the manifest's path is absolute, and the SDK of planners, whose
+/// sources lie elsewhere, is a second package.
 fn description(text: &str) -> Result<String, Failure> {
-    let line = "manifest-path = \"Cargo.toml\"\n";
-    if text.matches(line).count() != 1 {
-        return Err(Failure::new(format!(
-            "harness/python/pyproject.toml: there must be one line `{}`",
-            line.trim()
-        )));
-    }
     let manifest = crate::root().join("harness/python/Cargo.toml");
-    Ok(text.replace(line, &format!("manifest-path = '{}'\n", manifest.display())))
+    let mut text = text.to_owned();
+    for (line, new) in [
+        ("manifest-path = \"Cargo.toml\"\n", format!("manifest-path = '{}'\n", manifest.display())),
+        (
+            "python-packages = [\"vertibench\"]\n",
+            "python-packages = [\"vertibench\", \"vertibench_planner\"]\n".into(),
+        ),
+    ] {
+        if text.matches(line).count() != 1 {
+            return Err(Failure::new(format!(
+                "harness/python/pyproject.toml: there must be one line `{}`",
+                line.trim()
+            )));
+        }
+        text = text.replace(line, &new);
+    }
+    Ok(text)
 }
 
 /// Returns the GPU kernels in a folder.

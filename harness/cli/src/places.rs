@@ -46,7 +46,7 @@ pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suit
     })
 }
 
-/// The folder of the SDK in the checkout that the built-in tasks lie in.
+/// The folder of the SDK for Rust next to the built-in tasks: in a checkout, a wheel and an archive.
 pub(crate) fn sdk() -> Option<PathBuf> {
     let tasks = std::path::absolute(catalog().tasks().ok()?).ok()?;
     tasks.parent().map(|root| root.join("sdk")).filter(|sdk| sdk.join("Cargo.toml").is_file())

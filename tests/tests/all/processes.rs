@@ -53,6 +53,31 @@ fn example(name: &str) -> PathBuf {
 }
 
 #[test]
+fn a_new_project_with_numpy_drives_as_the_example_and_its_commands_are_recorded() {
+    let Some(python) = python() else { return };
+    let bench = Bench::new();
+    bench.ok(&["plugin", "new", "fox", "--lang", "numpy"]);
+    // Not with the SDK of this repository: the project has its own.
+    let planner = format!("{python} '{}'", text(&bench.path("fox/planner.py")));
+    let run = |args: &[&str]| {
+        let mut command = bench.command(args);
+        if let Some(libraries) = std::env::var_os("VB_PYTHON_LIBS") {
+            command.env("PYTHONPATH", libraries);
+        }
+        vb_tests::Done::of(&mut command).ok()
+    };
+    assert!(run(&["inspect", &planner]).contains("fox 0.1.0"));
+    assert!(run(&["check", &planner]).contains("0 failed"));
+    run(&["run", &planner, "--tasks", "w001/t00", "--out", "fox-run"]);
+    let _ = drive(&bench, &example("pursuit.py"), "example", &[]).ok();
+    let hash = |run: &str| bench.records(run)["w001/t00"]["state_hash"].clone();
+    assert_eq!(hash("fox-run"), hash("example"));
+    run(&["commands", "fox-run", "--out", "fox.commands"]);
+    run(&["run", "fox.commands", "--tasks", "w001/t00", "--out", "again"]);
+    assert_eq!(hash("again"), hash("fox-run"));
+}
+
+#[test]
 fn pure_pursuit_in_cpp_ends_every_task_as_in_rust() {
     let bench = Bench::new();
     let library = bench.path("libpursuit_cpp.so");

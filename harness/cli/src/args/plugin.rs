@@ -49,6 +49,8 @@ pub(crate) enum Language {
     C,
     /// Python, with its interpreter in the plugin.
     Python,
+    /// Python with NumPy, as a process, which is not ranked.
+    Numpy,
     /// JavaScript, with the QuickJS engine in the plugin.
     Js,
 }

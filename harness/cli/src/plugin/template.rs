@@ -61,6 +61,18 @@ const JS: &[(&str, &[u8])] = &example!(
     "planner.js"
 );
 
+/// The SDK for Python, which a project carries along: it is on no package index.
+macro_rules! python_sdk {
+    ($($file:literal),*) => {
+        [$((
+            concat!("vertibench_planner/", $file),
+            include_str!(concat!("../../../../sdk/python/src/vertibench_planner/", $file)),
+        )),*]
+    };
+}
+const PYTHON_SDK: [(&str, &str); 5] =
+    python_sdk!("__init__.py", "_data.py", "_methods.py", "_path.py", "_serve.py");
+
 /// The files of a project for a planner of this name. `sdk` is where Rust finds the SDK: keys and values of a dependency.
 pub(super) fn files(language: Language, name: &str, sdk: &str) -> Vec<File> {
     match language {
@@ -69,6 +81,7 @@ pub(super) fn files(language: Language, name: &str, sdk: &str) -> Vec<File> {
         Language::Python => {
             of_example(PYTHON, "pursuit-python", name, "python3 -m pip install -r requirements.txt")
         }
+        Language::Numpy => numpy(name),
         Language::Js => of_example(JS, "pursuit-js", name, "npm install"),
     }
 }
@@ -83,10 +96,43 @@ fn of_example(files: &[(&'static str, &[u8])], example: &str, name: &str, instal
         };
         File { path, content, executable: *path == "build.sh" }
     };
-    let workflow = include_str!("../../templates/workflows/script.yml");
-    let workflow = workflow.replace("@INSTALL@", install).replace("@NAME@", name);
+    let built = format!("build/{name}.wasm");
     let mut all: Vec<File> = files.iter().map(file).collect();
-    all.push(File { path: WORKFLOW, content: workflow.into(), executable: false });
+    all.push(workflow(&[
+        install,
+        "./build.sh",
+        &format!("vb-harness inspect {built}"),
+        &format!("vb-harness check {built}"),
+        &format!("vb-harness run {built} --tasks w001/t00"),
+    ]));
+    all
+}
+
+/// The GitHub workflow that runs these commands.
+fn workflow(commands: &[&str]) -> File {
+    let steps: String = commands.iter().map(|command| format!("      - run: {command}\n")).collect();
+    let text = include_str!("../../templates/workflows/script.yml").replace("@STEPS@", &steps);
+    File { path: WORKFLOW, content: text.into(), executable: false }
+}
+
+fn numpy(name: &str) -> Vec<File> {
+    let planner = include_str!("../../../../sdk/python/examples/pursuit.py").replace("pursuit-python", name);
+    let readme = include_str!("../../templates/numpy/README.md").replace("@NAME@", name);
+    let own = [
+        ("README.md", readme.as_str()),
+        (".gitignore", include_str!("../../templates/numpy/gitignore")),
+        ("requirements.txt", include_str!("../../templates/numpy/requirements.txt")),
+        ("planner.py", planner.as_str()),
+    ];
+    let file = |(path, text): (&'static str, &str)| File { path, content: text.into(), executable: false };
+    let mut all: Vec<File> = own.into_iter().chain(PYTHON_SDK).map(file).collect();
+    all.push(workflow(&[
+        "python3 -m pip install -r requirements.txt",
+        "vb-harness inspect \"python3 planner.py\"",
+        "vb-harness check \"python3 planner.py\"",
+        "vb-harness run \"python3 planner.py\" --tasks w001/t00 --out drive",
+        &format!("vb-harness commands drive --out {name}.commands"),
+    ]));
     all
 }
 
@@ -122,7 +168,7 @@ mod tests {
     fn a_project_bears_its_own_name_and_nothing_of_the_template_is_left() {
         for language in Language::value_variants() {
             let files = files(*language, "swift-fox", "path = \"/sdk\"");
-            let of_the_template = ["@NAME@", "@CRATE@", "@SDK@", "@INSTALL@", "pursuit-", "\"pursuit\""];
+            let of_the_template = ["@NAME@", "@CRATE@", "@SDK@", "@STEPS@", "pursuit-", "\"pursuit\""];
             for file in &files {
                 let Ok(content) = std::str::from_utf8(&file.content) else { continue };
                 for left in of_the_template {
@@ -132,6 +178,16 @@ mod tests {
             }
             assert!(text(&files, "README.md").starts_with("# swift-fox\n"));
         }
+    }
+
+    #[test]
+    fn the_sdk_for_python_is_whole() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../sdk/python/src/vertibench_planner");
+        let names = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|n| n.ends_with(".py")).collect();
+        names.sort();
+        let carried = PYTHON_SDK.map(|(path, _)| path.trim_start_matches("vertibench_planner/"));
+        assert_eq!(names, carried);
     }
 
     /// What an author reads is what the project's CI does.
