@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::{Class, ENTRIES, run_name};
+use super::{Class, ENTRIES, Entry, run_name};
 use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, target_dir};
 
@@ -23,8 +23,8 @@ pub(crate) fn leaderboard(out: &Path) -> Result<(), Failure> {
     let accepted = target_dir().join("leaderboard-accepted");
     remove(&accepted)?;
     // Ranked are planners with their own parameters.
-    let ranked = |class: Class| class != Class::Reference;
-    for entry in ENTRIES.iter().filter(|entry| ranked(entry.class) && entry.params.is_empty()) {
+    let is_ranked = |entry: &&Entry| entry.class != Class::Reference && entry.params.is_empty();
+    for entry in ENTRIES.iter().filter(is_ranked) {
         let driven = target_dir().join("results").join(COURSE).join(run_name(entry));
         if !driven.join("summary.json").exists() {
             return Err(Failure::new(format!(

@@ -7,18 +7,18 @@ use vb_world::GranularMaterial;
 /// that of a grain that has fallen by its radius.
 const RETREAT: f64 = 2.0;
 
-/// How well a bed keeps what physics keeps.
+/// Errors of the balances of momentum, energy and weight of a bed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
-    /// Momentum of grains and tool that came from nowhere, over the impulse on the tool.
+    /// Error of the balance of momentum of grains and tool, relative to the impulse on the tool.
     pub momentum: f64,
-    /// The same of angular momentum about the origin, over the tool's.
+    /// Error of the balance of angular momentum about the origin, relative to the angular impulse on the tool.
     pub angular_momentum: f64,
-    /// The largest rise of the energy of a heap that collapses above the least before it, over the first energy.
+    /// Maximum rise of the total energy of a collapsing heap above its previous minimum, relative to the initial energy.
     pub energy_gain: f64,
-    /// The part of its energy that the heap had left at the end.
+    /// Minimum total energy of the heap, relative to the initial energy.
     pub energy_left: f64,
-    /// The part of the energy that was kinetic at the end.
+    /// Kinetic energy of the heap at the end, relative to the initial energy.
     pub energy_kinetic: f64,
     /// Load on the floor over the weight of the grains at rest. Walls are smooth, so they bear nothing.
     pub floor_load: f64,

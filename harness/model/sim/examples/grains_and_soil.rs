@@ -42,8 +42,8 @@ fn ground(class: TerrainClass, material: Option<&GranularMaterial>) -> World {
     World { semantics, beds: vec![bed], ..flat }
 }
 
-/// How far (m) the HMMWV gets in 6 s at full throttle from rest, pulled back by a force, at most over 3 m; and the mean of the deepest
-/// wheel's sinkage on the way, m.
+/// Distance (m) that the HMMWV covers in 6 s or up to 3 m, at full throttle from rest, against a constant force on its centre of mass
+/// (`pull`, relative to its weight), and the mean over time of its maximum wheel sinkage (m).
 fn pull(world: &Arc<World>, soils: &SoilSet, pull: f64) -> Result<[f64; 2], SimError> {
     let file = include_str!("../../../../tasks/vehicles/hmmwv.yaml");
     let model = VehicleModel::new(VehicleSpec::parse(file, "hmmwv.yaml").expect("a shipped vehicle"))?;

@@ -111,7 +111,8 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let source = "a towed wheel is a resistance (Wong 2008, ch. 2)";
     o.expect("pull / load, towed at −10 %", towed.pull, "", Expected::AtMost(0.0), source);
     // Stones make the pull at one slip uncertain by about 0.03, so its greatest value is looked for in means.
-    let middle = mean(|slip| (0.15..=0.4).contains(&slip), |run| run.pull);
+    let at_middle: fn(f64) -> bool = |slip| (0.15..=0.4).contains(&slip);
+    let middle = mean(at_middle, |run| run.pull);
     let after = mean(|slip| slip > 0.4, |run| run.pull);
     o.figure("pull / load at 5 % slip", slow.pull, "");
     o.figure("mean pull / load at 20 to 40 % slip", middle, "");
@@ -137,7 +138,7 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         unsound: (!digs)
             .then(|| "the published wheels are loaded so that slip digs them in, this one is lighter".into()),
     });
-    let gross = mean(|slip| (0.15..=0.4).contains(&slip), |run| run.gross);
+    let gross = mean(at_middle, |run| run.gross);
     let source = "tyres on gravel 0.6 (Wong 2008, table 1.3)";
     let expected = Expected::Within { value: 0.6, tolerance: 0.2 };
     o.published("gross traction / load at 20 to 40 % slip", gross, "", expected, source);
