@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-VB_PLANNER_METADATA("pursuit-cpp", "0.2.0", "The Verti-Bench in Rust developers",
+VB_PLANNER_METADATA("pursuit-cpp", "1.0.0", "The Verti-Bench in Rust developers",
                     "Drives the circle through a point ahead on the global path, in C++", "0.1",
                     VB_PARAM("speed", "4.0", "target speed, m/s")
                     VB_PARAM("ahead", "6.0", "distance of the point ahead, m at full scale"));

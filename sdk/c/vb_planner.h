@@ -25,8 +25,8 @@
 extern "C" {
 #endif
 
-#define VB_ABI_MAJOR 0
-#define VB_ABI_MINOR 2
+#define VB_ABI_MAJOR 1
+#define VB_ABI_MINOR 0
 
 /* Room for the text of an error, with the 0 at its end. */
 #define VB_ERROR_BYTES 1024

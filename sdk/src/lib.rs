@@ -47,7 +47,7 @@ pub use planner::{Planner, PlannerError};
 pub use types::*;
 
 /// The version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
-pub const ABI_VERSION: &str = "0.2";
+pub const ABI_VERSION: &str = "1.0";
 
 // What `export_planner!` names in the crate of the planner.
 #[cfg(not(target_family = "wasm"))]

@@ -463,7 +463,7 @@ mod tests {
 
     #[test]
     fn models_are_read_and_written() {
-        let text = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\nmodel: a.vbnn sha256 1\nmodel: b\n";
+        let text = "abi: 1.0\nname: x\nversion: 1\ncontrol-period: 0.1\nmodel: a.vbnn sha256 1\nmodel: b\n";
         let m = Metadata::parse(text.as_bytes()).unwrap();
         assert_eq!(m.models, ["a.vbnn sha256 1", "b"]);
         assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
@@ -471,7 +471,7 @@ mod tests {
 
     #[test]
     fn needs_are_read_and_written() {
-        let head = "abi: 0.2\nname: x\nversion: 1\ncontrol-period: 0.1\n";
+        let head = "abi: 1.0\nname: x\nversion: 1\ncontrol-period: 0.1\n";
         let parse = |needs: &str| Metadata::parse(format!("{head}{needs}").as_bytes());
         let m = parse("need: local_map 5\nneed: imu\n").unwrap();
         let local_map = Need { sensor: Sensor::LocalMap, rate: Some(5.0) };

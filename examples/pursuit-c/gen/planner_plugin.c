@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Imported Functions from `vertibench:planner/host@0.2.0`
+// Imported Functions from `vertibench:planner/host@1.0.0`
 
-__attribute__((__import_module__("vertibench:planner/host@0.2.0"), __import_name__("log")))
+__attribute__((__import_module__("vertibench:planner/host@1.0.0"), __import_name__("log")))
 extern void __wasm_import_vertibench_planner_host_log(int32_t, uint8_t *, size_t);
 
-// Exported Functions from `vertibench:planner/guest@0.2.0`
+// Exported Functions from `vertibench:planner/guest@1.0.0`
 
-__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.2.0#[static]planner.init")))
+__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@1.0.0#[static]planner.init")))
 void __wasm_export_exports_vertibench_planner_guest_static_planner_init_post_return(uint8_t * arg0) {
   switch ((int32_t) (int32_t) *((uint8_t*) (arg0 + 0))) {
     case 0: {
@@ -25,7 +25,7 @@ void __wasm_export_exports_vertibench_planner_guest_static_planner_init_post_ret
   }
 }
 
-__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@0.2.0#[method]planner.step")))
+__attribute__((__weak__, __export_name__("cabi_post_vertibench:planner/guest@1.0.0#[method]planner.step")))
 void __wasm_export_exports_vertibench_planner_guest_method_planner_step_post_return(uint8_t * arg0) {
   switch ((int32_t) (int32_t) *((uint8_t*) (arg0 + 0))) {
     case 0: {
@@ -275,17 +275,17 @@ void exports_vertibench_planner_guest_command_free(exports_vertibench_planner_gu
   vertibench_planner_types_command_free(ptr);
 }
 
-__attribute__((__import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-drop]planner")))
+__attribute__((__import_module__("[export]vertibench:planner/guest@1.0.0"), __import_name__("[resource-drop]planner")))
 extern void __wasm_import_exports_vertibench_planner_guest_planner_drop(int32_t handle);
 
 void exports_vertibench_planner_guest_planner_drop_own(exports_vertibench_planner_guest_own_planner_t handle) {
   __wasm_import_exports_vertibench_planner_guest_planner_drop(handle.__handle);
 }
 
-__attribute__(( __import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-new]planner")))
+__attribute__(( __import_module__("[export]vertibench:planner/guest@1.0.0"), __import_name__("[resource-new]planner")))
 extern int32_t __wasm_import_exports_vertibench_planner_guest_planner_new(int32_t);
 
-__attribute__((__import_module__("[export]vertibench:planner/guest@0.2.0"), __import_name__("[resource-rep]planner")))
+__attribute__((__import_module__("[export]vertibench:planner/guest@1.0.0"), __import_name__("[resource-rep]planner")))
 extern int32_t __wasm_import_exports_vertibench_planner_guest_planner_rep(int32_t);
 
 exports_vertibench_planner_guest_own_planner_t exports_vertibench_planner_guest_planner_new(exports_vertibench_planner_guest_planner_t *rep) {
@@ -296,7 +296,7 @@ exports_vertibench_planner_guest_planner_t* exports_vertibench_planner_guest_pla
   return (exports_vertibench_planner_guest_planner_t*) __wasm_import_exports_vertibench_planner_guest_planner_rep(handle.__handle);
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[dtor]planner")))
+__attribute__((__export_name__("vertibench:planner/guest@1.0.0#[dtor]planner")))
 void __wasm_export_exports_vertibench_planner_guest_planner_dtor(exports_vertibench_planner_guest_planner_t* arg) {
   exports_vertibench_planner_guest_planner_destructor(arg);
 }
@@ -347,7 +347,7 @@ void vertibench_planner_host_log(vertibench_planner_host_log_level_t level, plan
   __wasm_import_vertibench_planner_host_log((int32_t) level, (uint8_t *) (*message).ptr, (*message).len);
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[static]planner.init")))
+__attribute__((__export_name__("vertibench:planner/guest@1.0.0#[static]planner.init")))
 uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uint8_t * arg) {
   vertibench_planner_types_option_height_map_t option;
   switch ((int32_t) *((uint8_t*) (arg + (152+4*sizeof(void*))))) {
@@ -545,7 +545,7 @@ uint8_t * __wasm_export_exports_vertibench_planner_guest_static_planner_init(uin
   return ptr;
 }
 
-__attribute__((__export_name__("vertibench:planner/guest@0.2.0#[method]planner.step")))
+__attribute__((__export_name__("vertibench:planner/guest@1.0.0#[method]planner.step")))
 uint8_t * __wasm_export_exports_vertibench_planner_guest_method_planner_step(uint8_t * arg) {
   vertibench_planner_types_option_pose_t option;
   switch ((int32_t) *((uint8_t*) (arg + 16))) {

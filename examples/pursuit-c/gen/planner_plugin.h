@@ -487,11 +487,11 @@ typedef struct {
   } val;
 } exports_vertibench_planner_guest_result_command_string_t;
 
-// Imported Functions from `vertibench:planner/host@0.2.0`
+// Imported Functions from `vertibench:planner/host@1.0.0`
 // Appends a line to the task's log.
 extern void vertibench_planner_host_log(vertibench_planner_host_log_level_t level, planner_plugin_string_t *message);
 
-// Exported Functions from `vertibench:planner/guest@0.2.0`
+// Exported Functions from `vertibench:planner/guest@1.0.0`
 bool exports_vertibench_planner_guest_static_planner_init(exports_vertibench_planner_guest_task_t *task, exports_vertibench_planner_guest_own_planner_t *ret, planner_plugin_string_t *err);
 bool exports_vertibench_planner_guest_method_planner_step(exports_vertibench_planner_guest_borrow_planner_t self, exports_vertibench_planner_guest_observation_t *observation, exports_vertibench_planner_guest_command_t *ret, planner_plugin_string_t *err);
 

@@ -37,7 +37,7 @@ mod _native {
     #[pymodule_export]
     const STEERING_STEP: f64 = vb_sdk::policy::STEERING_STEP;
 
-    /// Returns the version of the package, equal to that of the workspace.
+    /// Returns the version of the workspace that this module was built from.
     #[pyfunction]
     fn version() -> &'static str {
         env!("CARGO_PKG_VERSION")

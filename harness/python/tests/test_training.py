@@ -130,7 +130,7 @@ def section(kind: int, body: bytes) -> bytes:
 
 
 def test_the_metadata_is_changed_wherever_it_lies():
-    text = "abi: 0.2\nname: learned\nabout: old\n" + "help: long\n" * 20
+    text = "abi: 1.0\nname: learned\nabout: old\n" + "help: long\n" * 20
     module = b"\0asm\x01\0\0\0" + section(0, b"\x0a" + METADATA + text.encode()) + section(11, b"data" * 50)
     component = b"\0asm\x0d\0\x01\0" + section(7, b"types") + section(4, b"\0asm\x0d\0\x01\0" + section(1, module)) + section(0, b"\x03xyz")
     short = metadata(text, {"name": "mine", "about": "two\nlines \\"}, ["pose", "lidar"])

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from .registration import register_when_imported
 
-__version__ = "0.2.0"
+__version__ = "1.0.0rc1"
 
 if TYPE_CHECKING:
     from . import datasets as datasets

@@ -86,11 +86,11 @@ class Probe(Planner):
 def test_a_conversation_from_hello_to_bye():
     late = dict(OBSERVATION, time=2.0)
     replies = talk(
-        Probe, ("hello", {"protocol": 1, "abi": "0.2"}), ("init", TASK), ("step", OBSERVATION), ("step", late),
+        Probe, ("hello", {"protocol": 1, "abi": "1.0"}), ("init", TASK), ("step", OBSERVATION), ("step", late),
         ("drop", {}), ("init", TASK), ("bye", {}), ("hello", {}),
     )  # fmt: skip
     hello = replies[0][1]
-    assert (hello["protocol"], hello["abi"], hello["name"], hello["control_period"]) == (1, "0.2", "probe", 0.1)
+    assert (hello["protocol"], hello["abi"], hello["name"], hello["control_period"]) == (1, "1.0", "probe", 0.1)
     assert hello["params"] == [{"key": "speed", "default": "3.0", "help": "m/s"}]
     log = ("log", {"level": "info", "message": "started"})
     # Column 2 of 4 looks 45 degrees to the left of the sensor's x axis, which is turned to the left by 90 degrees.
@@ -152,7 +152,7 @@ def test_parameters_without_a_help_text_say_how_to_declare_them():
     class Numbers(Probe):
         params = {"speed": 4.0}
 
-    kind, error = talk(Numbers, ("hello", {"protocol": 1, "abi": "0.2"}))[-1]
+    kind, error = talk(Numbers, ("hello", {"protocol": 1, "abi": "1.0"}))[-1]
     wanted = 'TypeError: params["speed"] is 4.0; write {"speed": (4.0, "what it is for")}'
     assert (kind, error["message"]) == ("error", wanted)
 
@@ -210,7 +210,7 @@ def test_what_a_planner_prints_is_there_before_the_answer():
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     told = []
     with subprocess.Popen([sys.executable, "-c", PRINTS], env=env, **pipes) as process:
-        for request in [("hello", {"protocol": 1, "abi": "0.2"}), ("init", TASK), ("step", OBSERVATION)]:
+        for request in [("hello", {"protocol": 1, "abi": "1.0"}), ("init", TASK), ("step", OBSERVATION)]:
             process.stdin.write(frame(*request))
             process.stdin.flush()
             (length,) = struct.unpack("<I", process.stdout.read(4))
@@ -238,10 +238,10 @@ def test_sensors_and_models_are_part_of_the_introduction():
         needs_without_maps = ("local-map",)
         models = ("weights 00ff",)
 
-    hello = talk(Learned, ("hello", {"protocol": 1, "abi": "0.2"}))[0][1]
+    hello = talk(Learned, ("hello", {"protocol": 1, "abi": "1.0"}))[0][1]
     assert hello["needs"] == ["pose", "lidar 10"] and hello["needs_without_maps"] == ["local-map"]
     assert hello["models"] == ["weights 00ff"]
-    assert talk(Probe, ("hello", {"protocol": 1, "abi": "0.2"}))[0][1]["models"] == []
+    assert talk(Probe, ("hello", {"protocol": 1, "abi": "1.0"}))[0][1]["models"] == []
 
 
 def test_what_pip_leaves_behind_is_not_part_of_the_checkout():

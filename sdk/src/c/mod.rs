@@ -15,7 +15,7 @@ pub use layout::*;
 pub use memory::Arena;
 
 /// `VB_ABI_MAJOR` and `VB_ABI_MINOR`.
-pub const ABI: (u32, u32) = (0, 2);
+pub const ABI: (u32, u32) = (1, 0);
 /// `VB_ERROR_BYTES`.
 pub const ERROR_BYTES: usize = 1024;
 /// The name of the symbol, for the dynamic loader.

@@ -7,7 +7,7 @@ use vb_sdk::metadata::Metadata;
 use crate::site::{Site, select};
 
 /// What the section of a planner says.
-const METADATA: &str = "abi: 0.2\nname: seed\nversion: 1.2.3\nauthors: A. Author <a@example.org>:B. Author\nabout: A \
+const METADATA: &str = "abi: 1.0\nname: seed\nversion: 1.2.3\nauthors: A. Author <a@example.org>:B. Author\nabout: A \
                         seed\\nwith two lines\ncontrol-period: 0.1\nparam: speed\ndefault: 3.0\nhelp: target speed\n";
 
 pub(crate) fn run(data: &[u8]) {

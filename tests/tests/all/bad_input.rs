@@ -35,7 +35,7 @@ fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
     let (wasm, native) = (wasm.expect("pid.wasm"), native.expect("libpid"));
     let half = |bytes: &[u8]| bytes[..bytes.len() / 2].to_vec();
     // The metadata is text in a section of either file (docs/abi.md); both versions have the same length.
-    let aged = |bytes: &[u8]| replaced(bytes, b"abi: 0.2", b"abi: 9.7");
+    let aged = |bytes: &[u8]| replaced(bytes, b"abi: 1.0", b"abi: 9.7");
     let bent = |bytes: &[u8]| replaced(bytes, b"control-period: 0.1", b"control-period: soo");
     let files: [(&str, Vec<u8>, &[&str]); 12] = [
         ("text.wasm", b"this is no plugin".to_vec(), &["not a planner plugin", "neither"]),
@@ -47,8 +47,8 @@ fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
         ("torn.wasm", b"\0asm\x0d\0\x01\0\0\xff".to_vec(), &["truncated or damaged", "build it again"]),
         ("half.wasm", half(&wasm), &["truncated or damaged", "build it again"]),
         ("half.so", half(&native), &["truncated or damaged", "build it again"]),
-        ("aged.wasm", aged(&wasm), &["planner ABI 9.7", "supports 0.2", "Rebuild"]),
-        ("aged.so", aged(&native), &["planner ABI 9.7", "supports 0.2", "Rebuild"]),
+        ("aged.wasm", aged(&wasm), &["planner ABI 9.7", "supports 1.0", "Rebuild"]),
+        ("aged.so", aged(&native), &["planner ABI 9.7", "supports 1.0", "Rebuild"]),
         ("bent.wasm", bent(&wasm), &["control-period", "soo"]),
         ("bent.so", bent(&native), &["control-period", "soo"]),
     ];

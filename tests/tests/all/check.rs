@@ -43,7 +43,7 @@ fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
             let fraction = budget["figures"]["p99_share"].as_f64().expect("a share");
             assert!(budget["verdict"] == "pass" && 0.0 < fraction && fraction < 0.01, "{budget}");
             let asked = checks["imports"]["detail"].as_str().expect("names");
-            assert!(asked.contains("vertibench:planner/host@0.2.0"), "{asked}");
+            assert!(asked.contains("vertibench:planner/host@1.0.0"), "{asked}");
         } else {
             assert_eq!(budget["verdict"], "skip");
         }

@@ -23,7 +23,7 @@ fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
     for part in [
         "first 20 tasks",
         "(planner/init-failed)",
-        "planner faulty 0.2.0 on w001/t00, init: returned an error: told to give up",
+        "planner faulty 1.0.0-rc.1 on w001/t00, init: returned an error: told to give up",
         "10 tasks left",
         "--out r --resume",
         "--keep-going",

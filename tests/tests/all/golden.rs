@@ -9,7 +9,7 @@ fn text(path: &Path) -> &str {
 }
 
 fn golden(name: &str) -> PathBuf {
-    root().join("tests/golden/abi-0.2").join(name)
+    root().join("tests/golden/abi-1.0").join(name)
 }
 
 /// Both are the same planner on the same vehicle, so they come to the same verdict after as many steps. The last bits

@@ -66,7 +66,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
             assert_eq!(failed["fault"], f.kind, "{what}");
             let reason = failed["reason"].as_str().expect("a reason");
             // Who, where, what.
-            assert!(reason.starts_with("planner faulty 0.2.0 on w001/t01, "), "{what}: {reason}");
+            assert!(reason.starts_with("planner faulty 1.0.0-rc.1 on w001/t01, "), "{what}: {reason}");
             assert!(reason.contains(f.says) && reason.lines().count() == 1, "{what}: {reason}");
             assert_eq!(failed["planner_steps"], f.steps, "{what}");
             assert_eq!(failed["metrics"].is_null(), f.steps == 0, "{what}");
@@ -306,7 +306,7 @@ fn inspect_tells_the_same_of_both_kinds() {
         assert_eq!(told[0], told[1]);
         let (message, table) = &told[0];
         assert_eq!((&message["event"], &message["name"]), (&"plugin".into(), &name.into()));
-        assert_eq!((&message["abi"], &message["control_period_s"]), (&"0.2".into(), &0.1.into()));
+        assert_eq!((&message["abi"], &message["control_period_s"]), (&"1.0".into(), &0.1.into()));
         for param in message["params"].as_array().expect("parameters") {
             let (key, default) = (param["key"].as_str(), param["default"].as_str());
             let option = format!("--param {}={}", key.expect("a key"), default.expect("a default"));

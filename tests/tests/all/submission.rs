@@ -18,7 +18,7 @@ fn a_submission_is_small_says_what_was_run_and_verifies() {
     let pid = pid();
     mini.submit(&pid, "s", &["--entrant", "A team", "--note", "First try"]);
     let manifest = mini.bench.json("s/submission.json");
-    assert_eq!((&manifest["division"], &manifest["abi"]), (&"ranked".into(), &"0.2".into()));
+    assert_eq!((&manifest["division"], &manifest["abi"]), (&"ranked".into(), &"1.0".into()));
     assert_eq!(manifest["run"]["suite"]["name"], "mini");
     assert_eq!(manifest["tasks"].as_object().map(serde_json::Map::len), Some(20));
     // The run stays where runs are, with all its traces; the submission has those of a few tasks.
@@ -113,7 +113,7 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
     assert!(verify(&[]).error(3).contains("schema 2 is not supported"));
     mini.bench.write(
         "s/submission.json",
-        manifest.replace("\"harness_version\": \"0.2.0\"", "\"harness_version\": \"0.0.9\""),
+        manifest.replace("\"harness_version\": \"1.0.0-rc.1\"", "\"harness_version\": \"0.0.9\""),
     );
     assert!(verify(&[]).error(3).contains("was made by version 0.0.9"));
     mini.bench.write(

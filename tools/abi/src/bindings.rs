@@ -26,5 +26,5 @@ pub(crate) fn write(folder: &Path) -> Result<String, String> {
     options.build().generate(&mut resolve, world, &mut files).map_err(|e| failed(&e))?;
     let (_, bytes) = files.iter().next().ok_or_else(|| failed(&"no bindings were made"))?;
     let code = std::str::from_utf8(bytes).map_err(|e| failed(&e))?;
-    Ok(format!("//! The bindings of `wit/v0_2/planner.wit`.\n//!\n//! {}\n\n{code}", crate::HEADER))
+    Ok(format!("//! The bindings of `wit/v1_0/planner.wit`.\n//!\n//! {}\n\n{code}", crate::HEADER))
 }

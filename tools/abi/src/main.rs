@@ -18,7 +18,7 @@ use std::process::ExitCode;
 use model::Model;
 
 /// The folder of the newest version's text.
-const NEWEST: &str = "sdk/wit/v0_2";
+const NEWEST: &str = "sdk/wit/v1_0";
 /// Folders of the texts of hosted versions before the newest, each with the file of its conversions in the harness. A version that
 /// leaves the newest place in the window moves here. The only one at present is synthetic, for a test of the mechanism.
 const OLDER: [(&str, &str); 1] =
@@ -38,7 +38,7 @@ fn outputs() -> Result<Vec<(&'static str, String)>, String> {
         ("sdk/src/c/layout.rs", c_layout::write(&model)?),
         ("sdk/src/wasm/convert.rs", wasm::guest(&model)?),
         ("sdk/src/wasm/bindings.rs", bindings::write(&root().join(NEWEST))?),
-        ("harness/run/host/src/wasm/v0_2/convert.rs", wasm::host(&model, &model)?),
+        ("harness/run/host/src/wasm/v1_0/convert.rs", wasm::host(&model, &model)?),
         ("sdk/python/src/vertibench_planner/_data.py", python::write(&model)?),
         ("docs/abi.md", between_marks("docs/abi.md", &[("data", docs::tables(&model)?)])?),
         (

@@ -120,7 +120,7 @@ models: [hills.vbnn sha256 1]
     #[test]
     fn a_description_becomes_metadata_of_this_abi() {
         let m = parse(WHOLE).unwrap();
-        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("0.2", "drive-c", "0.1.0"));
+        assert_eq!((m.abi.as_str(), m.name.as_str(), m.version.as_str()), ("1.0", "drive-c", "0.1.0"));
         assert_eq!((m.authors, m.about.as_str()), (vec!["A B <a@b>".into(), "C".into()], "Drives: well"));
         assert_eq!(m.control_period, 0.05);
         let spec = |k: &str, d: &str, h: &str| ParamSpec { key: k.into(), default: d.into(), help: h.into() };

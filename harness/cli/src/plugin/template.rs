@@ -20,7 +20,7 @@ const WORKFLOW: &str = ".github/workflows/planner.yml";
 macro_rules! example {
     ($example:literal, $($path:literal),*) => {
         [
-            ("wit/planner.wit", include_bytes!("../../../../sdk/wit/v0_2/planner.wit") as &[u8]),
+            ("wit/planner.wit", include_bytes!("../../../../sdk/wit/v1_0/planner.wit") as &[u8]),
             $(($path, include_bytes!(concat!("../../../../examples/", $example, "/", $path)) as &[u8])),*
         ]
     };

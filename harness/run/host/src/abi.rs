@@ -8,28 +8,28 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum AbiVersion {
-    /// The first version, `sdk/wit/v0_2`.
-    V0_2,
+    /// The first version, `sdk/wit/v1_0`.
+    V1_0,
 }
 
 impl AbiVersion {
     /// The window: all versions that are hosted, oldest first.
-    pub const SUPPORTED: &'static [Self] = &[Self::V0_2];
+    pub const SUPPORTED: &'static [Self] = &[Self::V1_0];
     /// The version that new planners are built for.
-    pub const NEWEST: Self = Self::V0_2;
+    pub const NEWEST: Self = Self::V1_0;
 
     /// The name of the version, which plugins are stamped with: its major and minor number.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::V0_2 => "0.2",
+            Self::V1_0 => "1.0",
         }
     }
 
     /// The interface with functions that a WASM planner of this version may import.
     pub(crate) const fn host_interface(self) -> &'static str {
         match self {
-            Self::V0_2 => "vertibench:planner/host@0.2.0",
+            Self::V1_0 => "vertibench:planner/host@1.0.0",
         }
     }
 
@@ -112,11 +112,11 @@ mod tests {
 
     #[test]
     fn who_has_a_newer_plugin_may_use_a_newer_harness() {
-        assert_eq!(advice("0.0"), "Rebuild it with vb-sdk 0.2");
-        assert_eq!(advice("soon"), "Rebuild it with vb-sdk 0.2");
-        // Numbers, not texts: 0.10 is after 0.9.
-        for newer in ["0.3", "0.10", "1.0"] {
-            assert_eq!(advice(newer), "Rebuild it with vb-sdk 0.2, or use a newer harness");
+        assert_eq!(advice("0.0"), "Rebuild it with vb-sdk 1.0");
+        assert_eq!(advice("soon"), "Rebuild it with vb-sdk 1.0");
+        // Numbers, not texts: 1.10 is after 1.9.
+        for newer in ["1.1", "1.10", "2.0"] {
+            assert_eq!(advice(newer), "Rebuild it with vb-sdk 1.0, or use a newer harness");
         }
     }
 

@@ -427,7 +427,7 @@ mod tests {
     fn parameters_are_the_declared_ones_with_the_users_values() {
         let spec = |k: &str, d: &str| ParamSpec { key: k.into(), default: d.into(), help: String::new() };
         let metadata = Metadata {
-            abi: "0.2".into(),
+            abi: "1.0".into(),
             name: "pid".into(),
             version: String::new(),
             authors: vec![],

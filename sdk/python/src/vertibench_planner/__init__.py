@@ -59,4 +59,4 @@ __all__ = [
     "main",
     "serve",
 ]
-__version__ = "0.2.0"
+__version__ = "1.0.0rc1"

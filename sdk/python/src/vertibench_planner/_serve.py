@@ -10,7 +10,7 @@ import msgpack
 from ._data import Command, Observation, Task
 
 PROTOCOL = 1
-ABI = "0.2"
+ABI = "1.0"
 LEVELS = ("error", "warn", "info", "debug")
 
 

@@ -1,15 +1,15 @@
 //! Calls of a component that exports the planner interface.
 //!
 //! The window holds one version at present. For an older one, [`Pre`] and [`Planner`] become enums over the versions, with bindings and
-//! generated conversions in a module next to [`super::v0_2`] (docs/abi.md).
+//! generated conversions in a module next to [`super::v1_0`] (docs/abi.md).
 
 use vb_sdk::Command;
 use wasmtime::Store;
 use wasmtime::component::{InstancePre, ResourceAny};
 
 use super::session::State;
-use super::v0_2::bindings::vertibench::planner::types;
-use super::v0_2::bindings::{PlannerPlugin, PlannerPluginPre};
+use super::v1_0::bindings::vertibench::planner::types;
+use super::v1_0::bindings::{PlannerPlugin, PlannerPluginPre};
 
 /// A component whose exports have been checked.
 #[derive(Clone)]

@@ -6,7 +6,7 @@ mod engine;
 mod guest_world;
 mod interface;
 mod session;
-mod v0_2;
+mod v1_0;
 mod wasi;
 
 use std::path::Path;

@@ -6,7 +6,7 @@ use wasmtime::{Engine, Error, ResourceLimiter, Store, StoreContextMut, Trap, Was
 
 use super::guest_world::Wasi;
 use super::interface::{Planner, Pre};
-use super::v0_2::bindings::vertibench::planner::types;
+use super::v1_0::bindings::vertibench::planner::types;
 use super::{engine, is_of_the_system};
 use crate::abi::AbiVersion;
 use crate::fault::{FaultCause, Resource};

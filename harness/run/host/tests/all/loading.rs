@@ -152,7 +152,7 @@ fn a_native_library_for_another_processor() {
 #[test]
 fn metadata_that_are_damaged_or_of_another_version() {
     let with = |metadata: &str| core_module(&planner_wat(OK, GO), metadata);
-    let (error, message) = refusal(&with("abi: 0.2\nname"));
+    let (error, message) = refusal(&with("abi: 1.0\nname"));
     assert!(matches!(error, LoadError::Metadata { .. }));
     assert!(message.contains("line 2 is `name`"), "{message}");
     // The rule that a line breaks is told, and the place in each language.
@@ -177,13 +177,13 @@ fn metadata_that_are_damaged_or_of_another_version() {
         assert!(matches!(error, LoadError::Metadata { .. }), "{message}");
         assert!(message.ends_with(&format!("{told}{place}")), "{message}");
     }
-    let (error, message) = refusal(&with(&METADATA.replace("abi: 0.2", "abi: 0.3")));
+    let (error, message) = refusal(&with(&METADATA.replace("abi: 1.0", "abi: 1.1")));
     assert!(matches!(error, LoadError::AbiVersion { .. }));
-    assert!(message.contains("built for planner ABI 0.3; this harness supports 0.2. Rebuild"), "{message}");
+    assert!(message.contains("built for planner ABI 1.1; this harness supports 1.0. Rebuild"), "{message}");
     // The version is read before the rest, which may have other rules there.
     let (error, message) = refusal(&with("abi: 0.3\nname\n"));
     assert!(matches!(error, LoadError::AbiVersion { .. }), "{message}");
-    assert!(message.ends_with("Rebuild it with vb-sdk 0.2, or use a newer harness"), "{message}");
+    assert!(message.ends_with("Rebuild it with vb-sdk 1.0, or use a newer harness"), "{message}");
 }
 
 #[test]
@@ -193,10 +193,10 @@ fn the_imports_of_a_plugin_are_listed_without_running_it() {
         imports(&path).unwrap()
     };
     // What a core module gets for its exported resource is no import of the planner's.
-    assert_eq!(names(&good()), ["vertibench:planner/host@0.2.0"]);
+    assert_eq!(names(&good()), ["vertibench:planner/host@1.0.0"]);
     let mut encoder = wit_component::ComponentEncoder::default().module(&good()).unwrap();
     let component = names(&encoder.encode().unwrap());
-    assert!(component.contains(&"vertibench:planner/host@0.2.0".to_owned()), "{component:?}");
+    assert!(component.contains(&"vertibench:planner/host@1.0.0".to_owned()), "{component:?}");
     assert!(component.iter().all(|name| name.starts_with("vertibench:planner/")), "{component:?}");
 }
 
@@ -205,7 +205,7 @@ fn imports_from_outside_are_refused_by_name() {
     let outside = r#"(component
         (import "wasi:http/outgoing-handler@0.2.0" (instance (export "handle" (func (result u64)))))
         (import "acme:files/disk@1.0.0" (instance (export "read" (func (result u64)))))
-        (import "vertibench:planner/types@0.2.0" (instance (type (enum "a" "b")) (export "t" (type (eq 0))))))"#;
+        (import "vertibench:planner/types@1.0.0" (instance (type (enum "a" "b")) (export "t" (type (eq 0))))))"#;
     let (error, message) = refusal(&with_metadata(wat::parse_str(outside).unwrap(), METADATA));
     assert_eq!(error.code().name(), "planner/import-denied");
     let LoadError::ForbiddenImports { imports, .. } = error else { panic!("{message}") };

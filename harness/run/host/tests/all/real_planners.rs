@@ -106,7 +106,7 @@ fn a_planners_metadata_are_those_of_its_crate() {
     for file in ["pid.wasm", "libpid.so"] {
         let Some(path) = built(file) else { return };
         let m = inspect(&path).unwrap();
-        assert_eq!((m.name.as_str(), m.abi.as_str(), m.control_period), ("pid", "0.2", 0.1));
+        assert_eq!((m.name.as_str(), m.abi.as_str(), m.control_period), ("pid", "1.0", 0.1));
         assert_eq!(m.authors, [env!("CARGO_PKG_AUTHORS")]);
         let speed = m.params.iter().find(|p| p.key == "speed").unwrap();
         assert_eq!((speed.default.as_str(), speed.help.as_str()), ("5.0", "target speed, m/s at full scale"));

@@ -128,7 +128,7 @@ fn with_sockets(step: &str) -> Plugin {
         }";
     let world = "package test:probe;
         world probe {
-          include vertibench:planner/planner-plugin@0.2.0;
+          include vertibench:planner/planner-plugin@1.0.0;
           import wasi:sockets/instance-network@0.2.3;
           import wasi:sockets/tcp-create-socket@0.2.3;
         }";

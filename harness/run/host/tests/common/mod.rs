@@ -11,7 +11,7 @@ use vb_sdk::{LogLevel, Observation, Task};
 
 /// Metadata of the smallest planner.
 pub const METADATA: &str =
-    "abi: 0.2\nname: probe\nversion: 1.0.0\nauthors: A\nabout: b\ncontrol-period: 0.1\n";
+    "abi: 1.0\nname: probe\nversion: 1.0.0\nauthors: A\nabout: b\ncontrol-period: 0.1\n";
 
 /// A planner as WebAssembly text: `init` and `step` are the bodies of the two functions of the interface, in the
 /// canonical ABI. `init` gets a pointer to the task and `step` the planner's handle and a pointer to the
@@ -20,8 +20,8 @@ pub const METADATA: &str =
 pub fn planner_wat(init: &str, step: &str) -> String {
     format!(
         r#"(module
-  (import "vertibench:planner/host@0.2.0" "log" (func $log (param i32 i32 i32)))
-  (import "[export]vertibench:planner/guest@0.2.0" "[resource-new]planner" (func $new (param i32) (result i32)))
+  (import "vertibench:planner/host@1.0.0" "log" (func $log (param i32 i32 i32)))
+  (import "[export]vertibench:planner/guest@1.0.0" "[resource-new]planner" (func $new (param i32) (result i32)))
   (memory (export "memory") 4)
   (table $table 1 funcref)
   (data (i32.const 16) "hello log")
@@ -52,8 +52,8 @@ pub fn planner_wat(init: &str, step: &str) -> String {
     (loop $l (br_if $l (i32.ne (table.grow $table (ref.null func) (i32.const 1000)) (i32.const -1)))) unreachable)
   (func $fail unreachable)
   (func $recurse (call $recurse) (call $fail))
-  (func (export "vertibench:planner/guest@0.2.0#[static]planner.init") (param $args i32) (result i32) {init})
-  (func (export "vertibench:planner/guest@0.2.0#[method]planner.step") (param $args i32) (result i32)
+  (func (export "vertibench:planner/guest@1.0.0#[static]planner.init") (param $args i32) (result i32) {init})
+  (func (export "vertibench:planner/guest@1.0.0#[method]planner.step") (param $args i32) (result i32)
     (global.set $calls (i32.add (global.get $calls) (i32.const 1)))
     {step}))"#
     )
@@ -68,7 +68,7 @@ pub fn core_module(wat: &str, metadata: &str) -> Vec<u8> {
 pub fn core_module_of(wat: &str, metadata: &str, packages: &[&str]) -> Vec<u8> {
     let mut module = wat::parse_str(wat).unwrap();
     let mut resolve = wit_parser::Resolve::default();
-    let wit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../sdk/wit/v0_2");
+    let wit = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../sdk/wit/v1_0");
     let (mut package, _) = resolve.push_path(wit).unwrap();
     for text in packages {
         package = resolve.push_str("more.wit", text).unwrap();

@@ -139,18 +139,18 @@ fn other_plugins() -> Vec<Case> {
         (core instance $i (instantiate $m))
         (func $f (canon lift (core func $i "f")))
         (instance $guest (export "step" (func $f)))
-        (export "vertibench:planner/guest@0.2.0" (instance $guest)))"#;
-    let guest = "vertibench:planner/guest@0.2.0";
+        (export "vertibench:planner/guest@1.0.0" (instance $guest)))"#;
+    let guest = "vertibench:planner/guest@1.0.0";
     vec![
         file("metadata without a planner", planner_component("(component)"), NotAPlugin, guest),
         file("an interface without its functions", core_module("(module)", METADATA), NotAPlugin, ""),
         file("another world", other_world, NotAPlugin, guest),
         file("another interface of the same name", planner_component(other_functions), NotAPlugin, guest),
-        file("another version of the interface", metadata("abi: 0.2", "abi: 0.3"), AbiMismatch, "ABI 0.3"),
-        file("a version that is none", metadata("abi: 0.2", "abi: new"), AbiMismatch, "ABI new"),
+        file("another version of the interface", metadata("abi: 1.0", "abi: 1.1"), AbiMismatch, "ABI 1.1"),
+        file("a version that is none", metadata("abi: 1.0", "abi: new"), AbiMismatch, "ABI new"),
         file(
             "metadata that are cut",
-            core_module(&planner_wat(OK, GO), "abi: 0.2\nname"),
+            core_module(&planner_wat(OK, GO), "abi: 1.0\nname"),
             Metadata,
             "line 2",
         ),

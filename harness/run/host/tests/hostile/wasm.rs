@@ -10,7 +10,7 @@ pub const OK: &str = "(call $ok_planner)";
 pub const GO: &str = "(call $ok_command (f64.const 0.25) (f64.const 0.5) (f64.const 0))";
 
 /// A function that is exported under a name of the canonical ABI.
-const POST_STEP: &str = r#"(export "cabi_post_vertibench:planner/guest@0.2.0#[method]planner.step")"#;
+const POST_STEP: &str = r#"(export "cabi_post_vertibench:planner/guest@1.0.0#[method]planner.step")"#;
 
 /// A planner that fails with these bodies of its functions.
 fn bodies(

@@ -34,7 +34,7 @@ fn modules_in_components_are_rewritten_and_all_else_stays() {
     };
     let text = format!(
         r#"(component $outer
-          (@custom "vb:planner" "abi: 0.2")
+          (@custom "vb:planner" "abi: 1.0")
           {}
           (component $inner {} (core instance (instantiate $b)))
           (core module $empty)

@@ -71,7 +71,7 @@ mod tests {
     fn sound() -> Metadata {
         let param = |key: &str| ParamSpec { key: key.into(), default: "1".into(), help: "m/s".into() };
         Metadata {
-            abi: "0.2".into(),
+            abi: "1.0".into(),
             name: "fox".into(),
             version: "1.0.0".into(),
             authors: vec!["A".into()],
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn metadata_that_nobody_can_use_fail_and_sparse_ones_warn() {
-        assert_eq!(verdict(|_| {}), (Verdict::Pass, "fox 1.0.0, ABI 0.2".into()));
+        assert_eq!(verdict(|_| {}), (Verdict::Pass, "fox 1.0.0, ABI 1.0".into()));
         for broken in [
             (|m| m.name = "The Fox".into()) as fn(&mut Metadata),
             |m| m.version = " ".into(),

@@ -196,8 +196,8 @@ fn a_field_that_is_there_twice_or_unknown_is_found() {
         let verdict = b.verify("twice", Some((1, 1)));
         assert!(found(&verdict), "{to}");
     };
-    forge("\"abi\": \"0.2\",", "\"abi\": \"0.2\", \"abi\": \"0.1\",");
-    forge("\"abi\": \"0.2\",", "\"abi\": \"0.2\", \"bonus\": 1,");
+    forge("\"abi\": \"1.0\",", "\"abi\": \"1.0\", \"abi\": \"0.1\",");
+    forge("\"abi\": \"1.0\",", "\"abi\": \"1.0\", \"bonus\": 1,");
     // In a list of names the last one would count.
     forge(
         "\"tasks\": {",
@@ -239,7 +239,7 @@ fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let text = told(&b.verify_with("honest", None, &unloaded, |e| e.plugin_sha256 = "00"));
     assert!(text.starts_with("plugin: submission.json: run.plugin.sha256"), "{text}");
     // A file that is another one by the time it is loaded.
-    let file = crate::common::repository("tests/golden/abi-0.2/pursuit-c.wasm");
+    let file = crate::common::repository("tests/golden/abi-1.0/pursuit-c.wasm");
     let other = |limits: &vb_host::Limits| vb_host::Plugin::load(&file, limits, None);
     let text = told(&b.verify_with("honest", None, &other, |_| {}));
     assert!(text.contains("the plugin's file was changed"), "{text}");

@@ -263,7 +263,7 @@ fn typed<T: Serialize + DeserializeOwned>(value: &Value) -> Vec<u8> {
 }
 
 fn load(limits: &Limits, dir: &Path) -> Plugin {
-    let file = repository("tests/golden/abi-0.2/pursuit.wasm");
+    let file = repository("tests/golden/abi-1.0/pursuit.wasm");
     Plugin::load(&file, limits, Some(&dir.join("cache"))).unwrap()
 }
 

@@ -1,4 +1,4 @@
-//! Version 0.2 of the interface.
+//! Version 1.0 of the interface.
 
 #[rustfmt::skip]
 mod convert;
@@ -6,5 +6,5 @@ mod convert;
 #[allow(unreachable_pub, clippy::all)]
 pub(super) mod bindings {
     //! The types generated from the interface's text.
-    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../../sdk/wit/v0_2" });
+    wasmtime::component::bindgen!({ world: "planner-plugin", path: "../../../sdk/wit/v1_0" });
 }
