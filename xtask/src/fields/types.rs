@@ -249,17 +249,7 @@ impl<'a> Types<'a> {
     }
 
     fn variants(&self, out: &mut String, e: &ItemEnum, named: &mut Vec<String>) -> Result<(), Failure> {
-        let style = serde(&e.attrs, "rename_all").unwrap_or_default();
-        let value = |v: &syn::Variant| {
-            serde(&v.attrs, "rename").unwrap_or_else(|| {
-                let name = v.ident.to_string();
-                match style.as_str() {
-                    "lowercase" => name.to_lowercase(),
-                    "kebab-case" => snake(&name).replace('_', "-"),
-                    _ => snake(&name),
-                }
-            })
-        };
+        let value = |v: &syn::Variant| written(e, v);
         let usual = |v: &syn::Variant| {
             if v.attrs.iter().any(|a| a.path().is_ident("default")) { " (if absent)" } else { "" }
         };
@@ -336,6 +326,7 @@ impl<'a> Types<'a> {
                     ("f64" | "f32", _) => "number".to_owned(),
                     ("u8" | "u16" | "u32" | "u64" | "usize" | "i32" | "i64", _) => "whole number".to_owned(),
                     ("String" | "PathBuf" | "TaskId", _) => "text".to_owned(),
+                    ("char", _) => "letter".to_owned(),
                     ("FaultCode", _) => "[code](abi.md#faults)".to_owned(),
                     ("Value", _) => "any".to_owned(),
                     // Of a type with a parameter.
@@ -384,16 +375,30 @@ impl<'a> Types<'a> {
             "u32" | "u64" | "usize" => "0".to_owned(),
             name => {
                 let usual = self.enums.get(name).and_then(|e| {
-                    e.variants.iter().find(|v| v.attrs.iter().any(|a| a.path().is_ident("default")))
+                    let usual =
+                        e.variants.iter().find(|v| v.attrs.iter().any(|a| a.path().is_ident("default")));
+                    usual.map(|v| written(e, v))
                 });
                 match (usual, self.values.get(name)) {
-                    (Some(v), _) => format!("`{}`", snake(&v.ident.to_string())),
+                    (Some(value), _) => format!("`{value}`"),
                     (None, Some(value)) => shown(value),
                     (None, None) => "its defaults".to_owned(),
                 }
             }
         }
     }
+}
+
+/// A variant as files write it.
+fn written(e: &ItemEnum, v: &syn::Variant) -> String {
+    serde(&v.attrs, "rename").unwrap_or_else(|| {
+        let name = v.ident.to_string();
+        match serde(&e.attrs, "rename_all").unwrap_or_default().as_str() {
+            "lowercase" => name.to_lowercase(),
+            "kebab-case" => snake(&name).replace('_', "-"),
+            _ => snake(&name),
+        }
+    })
 }
 
 /// The anchor of a heading.

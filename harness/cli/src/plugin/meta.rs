@@ -7,24 +7,29 @@ use vb_sdk::metadata::{self, Metadata, Need, ParamSpec};
 
 use crate::error::CliError;
 
-/// `planner.yaml`, as `docs/abi.md` describes it.
+/// The metadata of a planner that isn't written in Rust.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
+    /// The planner's name.
     name: String,
+    /// The planner's version.
     version: String,
+    /// The authors, with addresses if they like.
     #[serde(default)]
     authors: Vec<String>,
+    /// One sentence on the planner.
     #[serde(default)]
     about: String,
-    /// s.
+    /// The time between two steps, s.
     control_period: f64,
+    /// The parameters that users can set.
     #[serde(default)]
     params: Vec<Param>,
-    /// Sensors and how often they are to be read, e.g. `lidar 10`.
+    /// Requested sensors, each with its rate in Hz, e.g. `lidar 10`.
     #[serde(default)]
     needs: Vec<String>,
-    /// The same, for profiles that leave out one of the task's maps.
+    /// Sensors requested in addition under profiles without prior maps.
     #[serde(default)]
     needs_without_maps: Vec<String>,
     /// Learned weights with their hashes.
@@ -35,8 +40,11 @@ struct Document {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Param {
+    /// The parameter's name.
     name: String,
+    /// The parameter's default value.
     default: String,
+    /// A description with the unit.
     #[serde(default)]
     help: String,
 }

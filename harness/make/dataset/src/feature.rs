@@ -104,6 +104,7 @@ struct Column {
 /// What decides which columns there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
+    /// The number of wheels of the vehicle.
     pub wheels: usize,
     /// Whether the driver tells the speed that it aims at.
     pub speed: bool,

@@ -17,6 +17,7 @@ pub const DATASET_SCHEMA: u32 = 1;
 /// The licence of the datasets that the harness makes: the same as of the worlds.
 pub const LICENCE: &str = "CC-BY-4.0";
 
+/// The origin of a dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -28,7 +29,9 @@ pub enum Kind {
     Teleop,
     /// The last seconds before failures.
     Failures,
+    /// Datasets joined by `dataset merge`.
     Merged,
+    /// A part of a dataset, by `dataset split`.
     Split,
 }
 
@@ -67,7 +70,9 @@ impl Format {
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannerHeader {
+    /// The name of the planner.
     pub name: String,
+    /// The version of the planner.
     pub version: String,
     /// The SHA-256 of the plugin.
     pub sha256: String,
@@ -83,14 +88,19 @@ pub struct Header {
     /// The format of the files with frames and episodes; the default is left out.
     #[serde(default, skip_serializing_if = "Format::is_default")]
     pub format: Format,
+    /// The name of the dataset.
     pub name: String,
+    /// The origin of the data.
     pub kind: Kind,
     /// The licence, as SPDX names it.
     pub licence: String,
+    /// The version of the harness.
     pub harness_version: String,
+    /// The commit of the harness.
     pub harness_commit: String,
     /// The arguments of `vb-harness` that make it again, `--out` left out.
     pub command: Vec<String>,
+    /// The random seed.
     pub seed: u64,
     /// Frames a second.
     pub hz: u32,
@@ -98,8 +108,11 @@ pub struct Header {
     pub layout: Layout,
     /// The vehicle, with the SHA-256 of its file.
     pub vehicle: DataHeader,
+    /// The soil set, with the SHA-256 of its file.
     pub soils: DataHeader,
+    /// The rules, with the SHA-256 of their file.
     pub rules: DataHeader,
+    /// The perception profile, with the SHA-256 of its file.
     pub perception: DataHeader,
     /// The factor on every length of the worlds.
     pub scale: f64,

@@ -39,9 +39,13 @@ pub struct Named {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conditions {
+    /// The version of the harness.
     pub harness_version: String,
+    /// The vehicle.
     pub vehicle: Named,
+    /// The soil set.
     pub soils: Named,
+    /// The rules.
     pub rules: Named,
     /// The factor on every length of the worlds.
     pub scale: f64,
@@ -55,11 +59,15 @@ pub struct Conditions {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prover {
+    /// The name of the planner.
     pub planner: String,
+    /// The version of the planner.
     pub version: String,
     /// The hash of the planner's file (hex).
     pub sha256: String,
+    /// The parameters that differ from the planner's defaults.
     pub params: BTreeMap<String, String>,
+    /// The seed of the run.
     pub seed: u64,
 }
 
@@ -78,14 +86,17 @@ pub struct Drive {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Proof {
+    /// The version of the layout, 1.
     schema: u32,
     /// The hash of the suite.
     pub suite: String,
+    /// The conditions of all runs.
     pub conditions: Conditions,
+    /// The planners that solved tasks.
     pub provers: Vec<Prover>,
-    /// The drives by task.
+    /// The successful trial of each solved task.
     pub tasks: BTreeMap<TaskId, Drive>,
-    /// The tasks that nobody has done yet, which may be impossible.
+    /// The tasks that no planner has solved, which may be unsolvable.
     pub unproven: Vec<TaskId>,
 }
 
