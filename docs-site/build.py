@@ -82,7 +82,7 @@ def leaderboard_page(board: Path | None) -> str:
                 seconds = "–" if time is None else f"{time['mean']:.1f}"
                 lines.append(f"| {entry['rank']}{tie} | [{entry['planner']}](board/{entry['page']}) | {percent} | {seconds} |")
         lines += ["", "`=`: a tie, the difference is not significant. [All figures, maps and records](board/index.html)."]
-    lines += ["", "[Results](benchmark-results.md) has the planners by terrain and cause of failure, [submissions](leaderboard.md) how to enter a planner."]
+    lines += ["", "[Results](benchmark-results.md) has the planners by terrain and cause of failure, [entering a leaderboard](leaderboard.md) the steps for your planner."]
     return "\n".join(lines) + "\n"
 
 
