@@ -52,6 +52,25 @@ class Markdown(unittest.TestCase):
             markdown.section(text, "D")
 
 
+class Length(unittest.TestCase):
+    #: Words of README, and of README and all pages in `docs`.
+    README, ALL = 700, 32_000
+    #: Pages that are generated as a whole.
+    GENERATED = {"file-fields.md", "vehicle-fields.md"}
+
+    def test_words_are_those_that_people_wrote(self) -> None:
+        text = "a b <!-- c\nd -->\n```sh\ne\n```\n| f | g |\n|---|---|\n| h – i | `j k` |\n<!-- made: x (by y) -->\n\n| l |\n<!-- end of x -->\nm\n"
+        self.assertEqual(markdown.words(text), 10)
+
+    def test_readme_and_pages_stay_short(self) -> None:
+        root = Path(__file__).resolve().parents[1]
+        counts = {p.name: markdown.words(p.read_text(encoding="utf-8")) for p in (root / "docs").glob("*.md") if p.name not in self.GENERATED}
+        readme = markdown.words((root / "README.md").read_text(encoding="utf-8"))
+        self.assertLessEqual(readme, self.README, "README.md: move details to a page in docs")
+        longest = ", ".join(f"{name} {count}" for name, count in sorted(counts.items(), key=lambda item: -item[1])[:5])
+        self.assertLessEqual(readme + sum(counts.values()), self.ALL, f"README.md and docs: shorten what you extend (longest: {longest})")
+
+
 class Pages(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
