@@ -1,4 +1,4 @@
-/* The planner interface of Verti-Bench in Rust for C and C++, version 0.2.
+/* The planner interface of Verti-Bench in Rust for C and C++, version 1.0.
  *
  * A planner is a shared library that exports one symbol, `vb_planner_entry`, and carries its metadata as text in the
  * section `.vb.planner`. The macros VB_PLANNER_METADATA and VB_PLANNER_EXPORT make both. docs/abi.md is the reference;
@@ -31,6 +31,7 @@ extern "C" {
 /* Room for the text of an error, with the 0 at its end. */
 #define VB_ERROR_BYTES 1024
 
+/* Levels of the lines in a task's log. */
 enum {
     VB_LOG_ERROR = 0,
     VB_LOG_WARN = 1,
@@ -427,20 +428,27 @@ typedef struct vb_command {
 
 /* end of data */
 
+/* Room for the reason of a failure. */
 typedef struct vb_error {
+    /* UTF-8 text that ends with 0. */
     char message[VB_ERROR_BYTES];
 } vb_error;
 
 /* What the harness offers during a call. */
 typedef struct vb_host {
+    /* The first argument of `log`. */
     void *context;
     /* Appends a line to the task's log; `context` is the one above. */
     void (*log)(void *context, uint32_t level, const char *message);
 } vb_host;
 
+/* The functions of a planner. VB_PLANNER_EXPORT sets the first three fields. */
 typedef struct vb_planner_functions {
+    /* The size of this struct, bytes. */
     size_t size;
+    /* VB_ABI_MAJOR. */
     uint32_t abi_major;
+    /* VB_ABI_MINOR. */
     uint32_t abi_minor;
     /* Makes a planner for a task. */
     int32_t (*init)(const vb_task *task, const vb_host *host, void **planner, vb_error *error);
@@ -498,6 +506,7 @@ typedef struct vb_planner_functions {
 /* The one symbol that the harness looks for. */
 extern VB_EXPORT const vb_planner_functions vb_planner_entry;
 
+/* Exports a planner of these functions; once in a library, at file level. */
 #define VB_PLANNER_EXPORT(init_function, step_function, free_function)                                           \
     const vb_planner_functions vb_planner_entry = {                                                              \
         sizeof(vb_planner_functions), VB_ABI_MAJOR, VB_ABI_MINOR, init_function, step_function, free_function}

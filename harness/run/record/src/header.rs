@@ -36,7 +36,8 @@ pub struct PluginHeader {
     pub kind: String,
     /// The path at which the file lay; for a command, the command itself.
     pub path: String,
-    /// Whether results of a planner of this kind may be ranked: those of `wasm` and `native` may.
+    /// Whether the planner is a file that decides from observations and that others can run, too: `wasm` and `native`.
+    /// Leaderboards rank `wasm` only.
     pub eligible_for_ranking: bool,
     /// The time between two of the planner's steps, s.
     pub control_period: f64,
