@@ -292,7 +292,7 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"vehicle": "tank"}, "there is no vehicle tank"),
     ({"perception": "psychic"}, "there is no perception profile psychic"),
     ({"observation": ["hight"]}, "observation: hight: there are state"),
-    ({"observation": []}, "one part at least"),
+    ({"observation": []}, "at least one part"),
     ({"observation": ["class"], "flat": True}, "a flat one needs at least one part with numbers"),
     ({"control_hz": 30}, "control_hz: 30: must be 100 over a whole number"),
     ({"control_hz": "fast"}, "control_hz: 'fast' is not a number"),

@@ -140,7 +140,7 @@ impl Hybrid {
         };
         let heights = task.elevation()?;
         let terrain = Terrain::new(heights, task.semantics.as_ref(), vehicle)
-            .ok_or_else(|| PlannerError::new("the map of heights has fewer than 2 x 2 samples"))?;
+            .ok_or_else(|| PlannerError::new("the elevation map has fewer than 2 x 2 samples"))?;
         let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")? * root);
         let (margin, radius) = (positive("margin")? * scale, 0.5 * vehicle.width);
         task.occupancy()?;

@@ -142,9 +142,9 @@ models: [hills.vbnn sha256 1]
             ("name: mode", "name: speed", "params[1].name: \"speed\" is declared twice"),
             ("name: mode", "name: 'a=b'", "params[1].name: \"a=b\""),
             ("about:", "abuot:", "abuot"),
-            ("about:", "needs: [radar]\nabout:", "needs[0]: there is no sensor `radar`"),
-            ("about:", "needs: [imu 30]\nabout:", "needs[0]: imu can't be read 30 times a second"),
-            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is asked for twice"),
+            ("about:", "needs: [radar]\nabout:", "needs[0]: unknown sensor `radar`"),
+            ("about:", "needs: [imu 30]\nabout:", "needs[0]: the rate `30` of imu must be"),
+            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is requested twice"),
         ] {
             let e = changed(from, to);
             assert!(e.contains(says) && e.lines().count() == 1, "{to}: {e}");

@@ -175,8 +175,8 @@ fn what_is_missing_or_wrong_is_named() {
         Err(e) => e.to_string(),
     };
     let flat = || task(|_, _| 0.0, &[]);
-    assert!(new(&Task { elevation: None, ..flat() }).contains("gives no map of heights"));
-    assert!(new(&Task { occupancy: None, ..flat() }).contains("gives no map of obstacles"));
+    assert!(new(&Task { elevation: None, ..flat() }).contains("omits the elevation map"));
+    assert!(new(&Task { occupancy: None, ..flat() }).contains("omits the occupancy map"));
     for (key, value) in [
         ("speed", "0"),
         ("samples", "0"),

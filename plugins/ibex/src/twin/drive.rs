@@ -9,8 +9,8 @@ use super::{Controls, Shape, Twin, WHEELS, Wheel};
 /// speeds at which the governor begins to close and is closed.
 pub(super) const IDLE: f32 = 68.0;
 pub(super) const GOVERNED: [f32; 2] = [377.0, 398.0];
-/// Torque at full throttle, `maximum − coefficient (speed − peak)²`, and at closed throttle, `constant + coefficient ·
-/// speed`.
+/// Torque at full throttle, `maximum − coefficient (speed − peak)²`, and at closed throttle,
+/// `constant + coefficient · speed`.
 const FULL: [f32; 3] = [325.0, 0.0022, 220.0];
 const CLOSED: [f32; 2] = [-41.0, -0.095];
 /// The inertia of the engine, kg m².

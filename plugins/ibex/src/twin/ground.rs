@@ -23,8 +23,8 @@ impl Kind {
 }
 
 /// Indexed by the class numbers of maps. Friction is the class mean (`tasks/generator/default.yaml`). Deformable
-/// classes are the soil of medium level (`tasks/soils/default.yaml`) under an HMMWV wheel (`vehicle test hmmwv --event
-/// wheel-on-soil`): maximum drawbar pull plus resistance, less a fifth for slip; sinkage; and one and a half times its
+/// classes are the soil of medium level (`tasks/soils/default.yaml`) under an HMMWV wheel
+/// (`vehicle test hmmwv --event wheel-on-soil`): maximum drawbar pull plus resistance, less a fifth for slip; sinkage; and one and a half times its
 /// resistance. The last two factors were fitted on training worlds. Other levels are estimated during the task.
 const KINDS: [Kind; 10] = [
     Kind::firm(0.60),

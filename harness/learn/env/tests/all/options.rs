@@ -19,7 +19,7 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     assert!(
         told(|o| o.observation = vec!["hights".into()]).starts_with("observation: hights: there are state,")
     );
-    assert!(told(|o| o.observation.clear()).contains("one part at least"));
+    assert!(told(|o| o.observation.clear()).contains("at least one part"));
     assert!(
         told(|o| o.sight = Sight { cells: 0, ..Sight::default() })
             .contains("sight: cells: 0 must lie in 2 to 256")
