@@ -96,8 +96,8 @@ fn the_result_is_said_first_and_the_tasks_that_part_two_runs_are_listed() {
     let done = bench.run(&["report", "fast", "slow", "--out", "page", "--markdown", "page/report.md"]);
     let page = bench.path("page/index.html");
     browser.open(&page);
-    let said = "pid (speed 5) has the highest success rate: 80.0 % of 5 tasks, but its lead over pid (speed 3) is not certain: 3 worlds \
-                are too few (1 differs, 6 must; run the 100 worlds of vb-100).";
+    let said = "pid (speed 5) has the highest success rate: 80.0 % of 5 tasks, but its lead over pid (speed 3) is not significant: 3 worlds \
+                are too few (1 differs, 6 needed; run the 100 worlds of vb-100).";
     assert_eq!(browser.eval("document.querySelector('main > p.lead').textContent"), said);
     assert!(done.stderr.contains(said), "{}", done.stderr);
     let read = |file: &str| fs::read_to_string(bench.path(file)).expect("a file of the report");

@@ -9,11 +9,11 @@ use vb_record::StoreError;
 pub enum ReportError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("run {} has no finished task yet (wait for one, or go on with it by run --resume)", .0.display())]
+    #[error("run {} has no finished task (wait for one, or continue it with run --resume)", .0.display())]
     Empty(PathBuf),
     #[error(
-        "runs {} and {} are of different suites, {first_suite} and {second_suite}: their tasks are not the same (report \
-         them one by one)", .first.display(), .second.display()
+        "runs {} and {} are of different suites, {first_suite} and {second_suite}: their tasks differ (create one \
+         report per suite)", .first.display(), .second.display()
     )]
     Suites {
         first: PathBuf,
@@ -25,14 +25,14 @@ pub enum ReportError {
     },
     #[error("run {} is given twice (name each run once)", .0.display())]
     Twice(PathBuf),
-    #[error("no run given (name the directory of one)")]
+    #[error("no run given (name a run directory)")]
     NoRuns,
     #[error("label `{given}`: no run of that name (write RUN=TEXT, where RUN is one of {})", .runs.join(", "))]
     Label { given: String, runs: Vec<String> },
     /// A label would be that of two runs, or a run would have two, or none.
     #[error("label `{given}`: {reason}")]
     LabelTaken { given: String, reason: String },
-    #[error("cannot write {}: {source} (choose another place, or free some space)", .path.display())]
+    #[error("cannot write {}: {source} (choose another path, or free disk space)", .path.display())]
     Write { path: PathBuf, source: std::io::Error },
 }
 
