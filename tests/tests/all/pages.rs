@@ -184,7 +184,7 @@ fn what_cannot_be_shown_is_refused_with_its_reason() {
     assert!(done.contains("given twice"), "{done}");
     let done = bench.run(&["replay", "r", "--task", "w001/t09", "--out", "x.html"]).error(2);
     assert!(
-        done.contains("w001/t09 is not among its 1 finished tasks") && done.contains("w001/t00"),
+        done.contains("w001/t09 is not one of its 1 finished tasks") && done.contains("w001/t00"),
         "{done}"
     );
     let elsewhere = ["replay", "r", "--task", "w001/t00", "--suite", "vb-100", "--out", "x.html"];

@@ -32,7 +32,7 @@ pub enum ReportError {
     /// A label would be that of two runs, or a run would have two, or none.
     #[error("label `{given}`: {reason}")]
     LabelTaken { given: String, reason: String },
-    #[error("cannot write {}: {source} (choose another path, or free disk space)", .path.display())]
+    #[error("cannot write {}: {source} (choose another place, or free some space)", .path.display())]
     Write { path: PathBuf, source: std::io::Error },
 }
 

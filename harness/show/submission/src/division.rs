@@ -110,7 +110,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         run.plugin.kind == PluginKind::Wasm.name(),
         "plugin.kind",
-        format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
+        format!("{}: only WASM is metered and bit-identical on all machines", run.plugin.kind),
     );
     unless(
         run.plugin.control_period >= LEAST_CONTROL_PERIOD,
@@ -141,7 +141,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         suite.is_some(),
         "suite",
-        format!("{} ({}) is none that comes with the harness", run.suite.name, short(&run.suite.hash)),
+        format!("{} ({}) is not included with the harness", run.suite.name, short(&run.suite.hash)),
     );
     unless(
         run.selector.is_none() && suite.is_none_or(|s| s.tasks == run.tasks),
@@ -152,10 +152,10 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         vehicle.is_some(),
         "vehicle",
-        format!("{} ({}) is none that comes with the harness", run.vehicle.name, short(&run.vehicle.hash)),
+        format!("{} ({}) is not included with the harness", run.vehicle.name, short(&run.vehicle.hash)),
     );
     let scale = vehicle.map_or(run.scale, |v| v.scale);
-    unless(run.scale == scale, "scale", format!("{}, not {scale}, for which the vehicle is made", run.scale));
+    unless(run.scale == scale, "scale", format!("{}, not {scale}, the scale of the vehicle", run.scale));
     unless(
         run.soils.hash == shipped.soils,
         "soils",
@@ -166,7 +166,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         shipped.is_some_and(|p| p.sha256() == perception.hash),
         "perception",
-        format!("{} ({}) is none that comes with the harness", perception.name, short(&perception.hash)),
+        format!("{} ({}) is not included with the harness", perception.name, short(&perception.hash)),
     );
     unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
     unless(

@@ -45,12 +45,12 @@ impl Entrant {
                 return fail(format!("longer than {most} characters"));
             }
             if text.chars().any(char::is_control) {
-                return fail("holds a control character (give one line)".into());
+                return fail("contains a control character (give one line)".into());
             }
             // Two names that look alike, or one that turns the text around it, would mislead whoever reads a board.
             if vb_files::printable(text) != text {
                 return fail(
-                    "holds a character that can't be seen, or that turns the direction of writing".into(),
+                    "contains an invisible character, or one that changes the writing direction".into(),
                 );
             }
             Ok(())
@@ -64,7 +64,7 @@ impl Entrant {
             if url.bytes().any(odd) || !url.starts_with("https://") {
                 return Err(SubmissionError::Entrant {
                     field: name,
-                    problem: format!("{url:?} is no address that begins with https://"),
+                    problem: format!("{url:?} does not begin with https://"),
                 });
             }
         }
