@@ -101,12 +101,12 @@ fn what_was_changed_or_cut_off_is_found() {
     fs::write(&data, &whole).expect("written");
     bench.ok(&["dataset", "validate", "d"]);
     bench.write("d/data/extra.parquet", "x");
-    findings("data/extra.parquet: it is not of the dataset");
+    findings("data/extra.parquet: it does not belong to the dataset");
     fs::remove_file(bench.path("d/data/extra.parquet")).expect("removed");
     let header = fs::read_to_string(bench.path("d/dataset.json")).expect("a header");
     bench.write("d/dataset.json", header.replace("\"schema\": 1", "\"schema\": 2"));
     let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
-    assert!(e.contains("version 2 of datasets, this build reads version 1"), "{e}");
+    assert!(e.contains("dataset version 2 is not supported; this build reads version 1"), "{e}");
     fs::remove_file(bench.path("d/SHA256SUMS")).expect("removed");
     bench.write("d/dataset.json", header);
     let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
@@ -131,16 +131,16 @@ fn suites_and_training_worlds_are_kept_apart_in_both_directions() {
     let e = bench
         .run(&["dataset", "explore", "--suite", "mine", "--episodes", "1", "--out", "d"])
         .error(BAD_INPUT);
-    assert!(e.contains("must not have worlds of a suite") && e.contains("smoke/w001"), "{e}");
+    assert!(e.contains("must not contain worlds of a suite") && e.contains("smoke/w001"), "{e}");
     assert!(!bench.path("d").exists());
     // A suite of one's own, such as a hidden one, is told.
     let _ = generate("7500", &["--training"]).ok();
     let from_g = ["dataset", "explore", "--suite", "g", "--episodes", "2"];
     bench.ok(&[&from_g[..], &["--out", "d"]].concat());
     let e = bench.run(&[&from_g[..], &["--out", "e", "--apart-from", "g"]].concat()).error(BAD_INPUT);
-    assert!(e.contains("must not have worlds of a suite"), "{e}");
+    assert!(e.contains("must not contain worlds of a suite"), "{e}");
     let done = bench.run(&["dataset", "validate", "d", "--apart-from", "g"]);
-    assert!(done.stdout.contains("must not have worlds of a suite"), "{}", done.stdout);
+    assert!(done.stdout.contains("must not contain worlds of a suite"), "{}", done.stdout);
     let _ = done.error(NOT_VERIFIED);
 }
 
@@ -202,7 +202,7 @@ fn failures_of_a_run_are_repeated_exactly_and_marked_where_nothing_may_be_learnt
     // They can't slip into training data.
     bench.ok(&explore("d", &[]));
     let e = bench.run(&["dataset", "merge", "d", "f", "--out", "m"]).error(BAD_INPUT);
-    assert!(e.contains("don't fit together"), "{e}");
+    assert!(e.contains("are incompatible"), "{e}");
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn datasets_are_split_by_world_and_joined() {
     for (parts, says) in [
         ("a b=1", "\"a b\" is no name"),
         ("../p=1", "\"../p\" is no name"),
-        ("a=0.5,a=0.5", "a and a would be in one folder"),
+        ("a=0.5,a=0.5", "a and a have the same folder"),
         ("a=0.8,b=0.1", "the fractions sum to 0.900, not to 1"),
     ] {
         let e = bench.run(&["dataset", "split", "ab", "--parts", parts, "--out", "p"]).error(USAGE);
@@ -240,7 +240,7 @@ fn datasets_are_split_by_world_and_joined() {
     // Worlds of one dataset in two, and the dataset itself, count once.
     for twice in [["a", "./a"], ["ab", "b"]] {
         let e = bench.run(&["dataset", "merge", twice[0], twice[1], "--out", "p"]).error(BAD_INPUT);
-        assert!(e.contains("would count twice"), "{e}");
+        assert!(e.contains("would be duplicates"), "{e}");
     }
     assert!(!bench.path("p").exists());
 }

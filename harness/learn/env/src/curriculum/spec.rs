@@ -131,7 +131,7 @@ impl Stage {
             Self::Several(texts) => texts,
         };
         if texts.is_empty() {
-            return Err("there must be a selector at least".into());
+            return Err("at least one selector is required".into());
         }
         texts.iter().map(|text| Selector::parse(text).map_err(|e| e.to_string())).collect()
     }
@@ -189,7 +189,7 @@ impl File {
             Kind::Manual => {
                 let stages = self.stages.take().ok_or_else(|| Flaw::new("stages", "they are missing"))?;
                 if stages.is_empty() {
-                    return Err(Flaw::new("stages", "there must be one at least"));
+                    return Err(Flaw::new("stages", "at least one stage is required"));
                 }
                 let parse = |(k, stage): (usize, &Stage)| {
                     stage.parse().map_err(|e| Flaw::new(format!("stages[{k}]"), e))

@@ -17,7 +17,8 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     assert!(told(|o| o.control_hz = 30.0).starts_with("control_hz: 30: must be 100 over"));
     assert!(told(|o| o.control_hz = f64::NAN).starts_with("control_hz: NaN"));
     assert!(
-        told(|o| o.observation = vec!["hights".into()]).starts_with("observation: hights: there are state,")
+        told(|o| o.observation = vec!["hights".into()])
+            .starts_with("observation: hights: unknown part; parts: state,")
     );
     assert!(told(|o| o.observation.clear()).contains("at least one part"));
     assert!(
