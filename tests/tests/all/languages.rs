@@ -306,10 +306,10 @@ fn a_new_project_overwrites_nothing_and_wants_a_sound_name() {
     let bench = Bench::new();
     bench.write("fox/notes.txt", "mine");
     let e = bench.run(&["plugin", "new", "fox", "--lang", "c"]).error(4);
-    assert!(e.contains("nothing is overwritten"), "{e}");
+    assert!(e.contains("are not overwritten"), "{e}");
     assert_eq!(bench.files("fox").len(), 1);
     let e = bench.run(&["plugin", "new", "../fox", "--lang", "c"]).error(2);
-    assert!(e.contains("\"../fox\" can't be a planner's name"), "{e}");
+    assert!(e.contains("\"../fox\" is not a valid planner name"), "{e}");
     let e = bench.run(&["plugin", "new", "hare", "--lang", "c", "--sdk", "/"]).error(2);
     assert!(e.contains("--lang rust"), "{e}");
     let e = bench.run(&["plugin", "new", "hare", "--lang", "rust", "--sdk", "/"]).error(3);

@@ -120,7 +120,7 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
         "s/submission.json",
         manifest.replace("\"name\": \"hmmwv\"", "\"name\": \"../../etc/passwd\""),
     );
-    assert!(verify(&[]).error(3).contains("can't be looked up by its name"));
+    assert!(verify(&[]).error(3).contains("is not built in"));
     mini.bench.write("s/submission.json", "{");
     assert!(verify(&[]).error(3).contains("submission.json"));
     assert!(mini.run(&["verify", "run", "--plugin", text(&pid)]).error(3).contains("is not a submission"));
@@ -164,7 +164,7 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
         (&["--perception", "onboard", "--scale", "0.5"], "scale"),
     ] {
         let told = drive("pid.commands", &[&["--out", "other"][..], settings].concat()).error(3);
-        assert!(told.contains("the recording can't drive this run") && told.contains(field), "{told}");
+        assert!(told.contains("the recording does not match this run") && told.contains(field), "{told}");
     }
     // A task of which there are no commands, and one whose commands end too early.
     let told = mini.run(&[
@@ -292,10 +292,10 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     fs::remove_file(mini.path("cellar/vault/worlds/w001/elevation.png")).expect("a file of the world");
     let done = mini.run(&["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault"]);
     silent("damaged", &done.stderr);
-    assert!(done.error(3).contains("the suite can't be used"));
+    assert!(done.error(3).contains("the suite is invalid"));
     let native = plugin("pid", PluginKind::Native);
     let told = mini.run(&["evaluate", "--plugin", text(&native), "--suite", "cellar/vault"]).error(3);
-    assert!(told.contains("is no WASM file"), "{told}");
+    assert!(told.contains("is not a WASM file"), "{told}");
 }
 
 /// Three entries on two boards, of which one has scores on a hidden suite.
@@ -510,7 +510,7 @@ fn entries_that_cannot_be_shown_are_named() {
     assert_eq!(build().status.code(), Some(0));
     // A site that is there is replaced only on purpose.
     let told = build().error(4);
-    assert!(told.contains("leaderboard.json is there already") && told.contains("--force"), "{told}");
+    assert!(told.contains("leaderboard.json already exists") && told.contains("--force"), "{told}");
     mini.ok(&["leaderboard", "build", "accepted", "--out", "site", "--force"]);
     mini.bench.write("elsewhere/thesis.tex", "");
     assert!(

@@ -54,10 +54,10 @@ fn parse(text: &str) -> Result<Metadata, String> {
     let Document { name, version, authors, about, control_period, params, needs, needs_without_maps, models } =
         document;
     if !metadata::is_name(&name) {
-        return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
+        return Err(format!("name: {name:?} is not a valid planner name; use a-z, 0-9, - and _"));
     }
     if version.trim().is_empty() {
-        return Err("version: it is empty; results are told apart by it, e.g. 0.1.0".into());
+        return Err("version: it is empty; it identifies results, e.g. 0.1.0".into());
     }
     if let Some(author) = authors.iter().find(|a| a.is_empty() || a.contains(':')) {
         return Err(format!("authors: {author:?} must be a text without a colon, which separates authors"));
