@@ -303,7 +303,7 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"reward": {"luck": 1}}, "unknown term luck"),
     ({"reward": {"success": float("nan")}}, "weights.success: NaN"),
     ({"reward": "nowhere.yaml"}, "cannot read reward nowhere.yaml"),
-    ({"suite": None, "tasks": None, "world_seed": 1}, "training worlds have a seed from 7000 to 7999"),
+    ({"suite": None, "tasks": None, "world_seed": 1}, "training worlds need a seed from 7000 to 7999"),
     ({"suite": None, "tasks": None, "worlds": -1}, "worlds: -1 must be a whole number, at least 1"),
     ({"suite": 5}, "suite: 5 must be a name or a path"),
     ({"tasks": 5}, "tasks: 5 must be a selector"),

@@ -115,7 +115,7 @@ fn a_course_becomes_a_world_with_a_task_along_it_and_is_refused_in_one_line() {
         &["vehicle", "test", "gator", "--course", "bad.crg", "--out", "x"],
     ] {
         let told = fail(&dir, args, BAD_INPUT);
-        assert!(told.contains("bad.crg: line 5: the data format LHFI is not read"), "{told}");
+        assert!(told.contains("bad.crg: line 5: the data format LHFI is not supported"), "{told}");
     }
     assert!(!dir.path().join("x").exists(), "nothing is written");
 }
@@ -126,7 +126,7 @@ fn rules_of_the_generator_that_can_not_be_met_are_named_and_leave_nothing_behind
     let generate =
         ["suite", "generate", "--seed", "1", "--worlds", "1", "--params", "rules.yaml", "--out", "x"];
     for (from, to, says) in [
-        ("tilt: 20.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the places break this rule)"),
+        ("tilt: 20.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the positions violate this rule)"),
         ("{rigid: [1, 7]", "{rigid: [7, 7]", "ground.centre_spread"),
         ("spacing: 10.0", "spacing: 50.0", "obstacles.spacing: 50 leaves room for"),
     ] {

@@ -112,11 +112,11 @@ impl Document for GranularParams {
         within("ground.side", rules.ground.side, 10.0, 500.0)?;
         let half = 0.5 * rules.ground.side;
         if rules.ground.class.is_deformable() {
-            let problem = format!("{} yields: take a rigid class", rules.ground.class.name());
+            let problem = format!("{} is deformable: use a rigid class", rules.ground.class.name());
             return Err(flaw("ground.class", problem));
         }
         if !(1..=999).contains(&rules.beds.len()) {
-            return Err(flaw("beds", "there must be 1 to 999 of them"));
+            return Err(flaw("beds", "must have 1 to 999 entries"));
         }
         let GroundParams { side, .. } = rules.ground;
         for (k, bed) in rules.beds.iter().enumerate() {
@@ -277,7 +277,7 @@ mod tests {
     fn flaws_of_a_file_are_named() {
         let cases = [
             ("side: 48.0", "side: 48.5", "ground.side: 48.5 must be a multiple of ground.patch, 1"),
-            ("class: dirt", "class: snow", "ground.class: snow yields: take a rigid class"),
+            ("class: dirt", "class: snow", "ground.class: snow is deformable: use a rigid class"),
             ("width: 8.0", "width: 47.0", "beds[0].width: 47 must lie in"),
             ("distance: 40.0", "distance: 60.0", "tasks.distance: 60 must lie in"),
             ("height: 1.5", "height: 0.0", "wall.height: 0 must lie in"),

@@ -36,7 +36,7 @@ pub enum PathError {
     #[error("path.{field}: {value} must be a {wanted} length in metres")]
     Parameter { field: &'static str, value: f64, wanted: &'static str },
     #[error(
-        "{end} {point:?} lies {distance:.2} m from obstacles[{obstacle}], closer than the clearance of {clearance} m: move one of them"
+        "{end} {point:?} is {distance:.2} m from obstacles[{obstacle}], less than the clearance of {clearance} m: move one of them"
     )]
     TooClose {
         /// The end that is meant: `start` or `goal`.
@@ -57,7 +57,7 @@ pub enum PathError {
         point: [f64; 2],
     },
     #[error(
-        "no way from {start:?} to {goal:?} keeps {clearance} m from every obstacle: move obstacles or lower the clearance"
+        "no path from {start:?} to {goal:?} has a clearance of {clearance} m from obstacles: move obstacles or lower the clearance"
     )]
     NoWay {
         /// The start (x, y), m.

@@ -298,7 +298,7 @@ mod tests {
         assert!(
             wrong(&|p| p.swells[0].spacing = 4.3).starts_with("swells[0].spacing: 4.3 must be a multiple")
         );
-        assert!(wrong(&|p| p.to[0] = 5.0).starts_with("from or to: knots lead to heights that fall"));
+        assert!(wrong(&|p| p.to[0] = 5.0).starts_with("from or to: knots result in decreasing heights"));
         assert!(wrong(&|p| p.std = 0.0).starts_with("std: 0 must lie in"));
     }
 }

@@ -38,7 +38,7 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     let training = |seed: u64, worlds: u32| {
         refused(Options { suite: None, tasks: None, world_seed: seed, worlds, ..options() })
     };
-    assert!(training(1, 1).contains("seed 1: training worlds have a seed from 7000 to 7999"));
+    assert!(training(1, 1).contains("seed 1: training worlds need a seed from 7000 to 7999"));
     assert!(training(7000, 0).starts_with("worlds: 0: must lie in 1 to 1000"));
 }
 

@@ -344,7 +344,7 @@ impl GeneratorParams {
             }
         }
         if g.order.is_empty() {
-            return Err(flaw("ground.order", "is empty: at least one kind of ground is needed"));
+            return Err(flaw("ground.order", "is empty: at least one terrain class is needed"));
         }
         within("ground.centre_spread", g.centre_spread, 1e-3, 10.0)?;
         check_clip("ground.friction.clip", g.friction.clip)?;
@@ -385,7 +385,7 @@ impl GeneratorParams {
             let (wanted, most) = (o.boulders.get(density) + o.trees.get(density), o.room());
             if wanted as f64 > most {
                 let problem = format!(
-                    "{} leaves room for {most} obstacles at most, and {} worlds have {wanted}: lower it or their number, or raise \
+                    "{} leaves room for at most {most} obstacles, and {} worlds have {wanted}: lower it or their number, or raise \
                      obstacles.extent",
                     o.spacing,
                     density.name()
@@ -425,7 +425,7 @@ impl GeneratorParams {
 
 /// Whether a terrain model is named.
 pub(crate) fn check_model(field: &str, name: &str) -> Result<(), Flaw> {
-    if name.is_empty() { Err(flaw(field, "is empty: name a terrain model")) } else { Ok(()) }
+    if name.is_empty() { Err(flaw(field, "is empty: give a terrain model")) } else { Ok(()) }
 }
 
 /// Whether the friction of every patch can lie in a range.
@@ -527,7 +527,7 @@ mod tests {
             (
                 "spacing: 10.0",
                 "spacing: 30.0",
-                "obstacles.spacing: 30 leaves room for 27 obstacles at most, and dense worlds have 43",
+                "obstacles.spacing: 30 leaves room for at most 27 obstacles, and dense worlds have 43",
             ),
         ];
         for (from, to, expected) in cases {

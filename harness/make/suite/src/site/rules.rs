@@ -121,7 +121,7 @@ impl SiteParams {
             }
         }
         if rules.last().is_none_or(|last| last.slope != always() || last.height != always()) {
-            let problem = "the last rule must hold always: give it neither slope nor height";
+            let problem = "the last rule must apply everywhere: give it neither slope nor height";
             return Err(flaw("ground.rules", problem));
         }
         Ok(())
@@ -146,7 +146,11 @@ mod tests {
                 "[40.0, 35.0]",
                 "ground.rules[1].slope: [40, 35] must be two numbers, lower first",
             ),
-            ("- {class: grass}", "- {class: grass, height: [0.0, 3.0]}", "the last rule must hold always"),
+            (
+                "- {class: grass}",
+                "- {class: grass, height: [0.0, 3.0]}",
+                "the last rule must apply everywhere",
+            ),
             ("legend: {}", "legend: {1: swamp}", "ground.legend"),
             ("side: 128.0", "sides: 128.0", "sides"),
         ];

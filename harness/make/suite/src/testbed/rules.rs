@@ -125,7 +125,7 @@ impl TestbedParams {
         for (k, material) in all.iter().enumerate() {
             let field = format!("materials.all[{k}]");
             if material.class.is_deformable() {
-                let problem = format!("{} yields: take a rigid class", material.class.name());
+                let problem = format!("{} is deformable: use a rigid class", material.class.name());
                 return Err(flaw(format!("{field}.class"), problem));
             }
             check_friction(&field, material.friction())?;
@@ -172,7 +172,7 @@ impl TestbedParams {
         }
         check_model("elevation.model", &self.elevation.model)?;
         if !(1..=999).contains(&self.elevation.beds.len()) {
-            return Err(flaw("elevation.beds", "there must be 1 to 999 of them"));
+            return Err(flaw("elevation.beds", "must have 1 to 999 entries"));
         }
         for (k, bed) in self.elevation.beds.iter().enumerate() {
             within(&format!("elevation.beds[{k}].std"), bed.std, 1e-3, 100.0)?;
