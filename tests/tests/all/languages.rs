@@ -213,7 +213,7 @@ fn new_projects_in_other_languages_build_and_drive() {
 /// What is put before a line of a planner's source.
 type Bugs = (&'static str, &'static str);
 const JS_BUGS: Bugs = (
-    "    // Progress never goes back",
+    "    // Progress never decreases",
     "    if (this.speed === 13) return;\n    if (this.speed === 14) return { steering: 0, throttle: 0 };\n",
 );
 const C_BUGS: Bugs = (
