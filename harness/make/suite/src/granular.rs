@@ -36,17 +36,17 @@ pub struct GranularParams {
     pub path: PathParams,
 }
 
-/// The ground around the beds, which is level, square and rigid.
+/// The level, square, rigid ground around the beds.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundParams {
     /// The side of a world, m.
     pub side: f64,
-    /// The distance between nodes, m.
+    /// The node spacing, m.
     pub resolution: f64,
     /// The side of a patch, m.
     pub patch: f64,
-    /// The terrain class, a rigid one.
+    /// The rigid terrain class.
     pub class: TerrainClass,
     /// The friction coefficient.
     pub friction: f64,
@@ -76,7 +76,7 @@ pub struct WallParams {
     pub thickness: f64,
 }
 
-/// The tasks of a world, over the bed and back.
+/// The tasks of a world, across the bed in both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingParams {

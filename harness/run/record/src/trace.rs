@@ -25,11 +25,11 @@ pub enum TraceMode {
     /// No samples are kept. Such a run can't be re-scored.
     #[serde(rename = "none")]
     None,
-    /// Every tenth sample and the last one are kept: enough to look at, and to re-score roughly.
+    /// Every tenth sample and the last one are kept: enough for inspection and approximate re-scoring.
     #[default]
     #[serde(rename = "10hz")]
     TenHz,
-    /// Every sample that the rules see is kept: re-scoring repeats the verdicts exactly.
+    /// Every sample used by the rules is kept: re-scoring reproduces the outcomes exactly.
     #[serde(rename = "full")]
     Full,
 }

@@ -102,19 +102,19 @@ pooled! {
     /// Figures over the metrics of some tasks; `None` if no task has samples.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub struct Pooled {
-        /// The mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees.
+        /// The mean |roll| over all samples of all tasks, as in the evaluation scripts of the original, degrees.
         pub roll_mean_deg = over_samples(Metrics::roll, |s| s.mean),
         /// The variance of |roll| over the same samples, degrees².
         pub roll_variance_deg2 = over_samples(Metrics::roll, Running::variance),
-        /// The greatest |roll|, degrees.
+        /// The maximum |roll|, degrees.
         pub roll_max_deg = over_samples(Metrics::roll, |s| s.max),
-        /// The mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
+        /// The mean over tasks of each task's mean |roll|, degrees: all tasks have the same weight.
         pub roll_task_mean_deg = over_tasks(|m| m.roll_mean_deg),
         /// The mean |pitch| over all samples of all tasks, degrees.
         pub pitch_mean_deg = over_samples(Metrics::pitch, |s| s.mean),
         /// The variance of |pitch| over the same samples, degrees².
         pub pitch_variance_deg2 = over_samples(Metrics::pitch, Running::variance),
-        /// The greatest |pitch|, degrees.
+        /// The maximum |pitch|, degrees.
         pub pitch_max_deg = over_samples(Metrics::pitch, |s| s.max),
         /// The mean over tasks of each task's mean |pitch|, degrees.
         pub pitch_task_mean_deg = over_tasks(|m| m.pitch_mean_deg),

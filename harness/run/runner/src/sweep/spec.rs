@@ -9,7 +9,7 @@ use vb_record::TraceMode;
 
 use crate::sweep::name::safe;
 
-/// The most runs of a sweep.
+/// The maximum number of runs of a sweep.
 const MOST: usize = 100_000;
 
 /// A sweep.
@@ -31,7 +31,7 @@ pub struct Spec {
 pub struct PlannedRun {
     /// The name, which is that of its folder: `PLANNER,PARAMETER=VALUE--VEHICLE--PERCEPTION--SEED`.
     pub name: String,
-    /// What the planner with its parameters is called in this sweep: the name's first part.
+    /// The label of the planner with its parameters in this sweep: the first component of the name.
     pub planner: String,
     /// The planner's file or command, as `--plugin` takes it.
     pub plugin: String,
@@ -86,7 +86,7 @@ struct Planner {
     params: BTreeMap<String, Values>,
 }
 
-/// A value, or several to be tried.
+/// A value, or a list of values.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Values {
