@@ -38,7 +38,7 @@ pub(crate) fn commands(args: &CommandsArgs) -> Result<(), CliError> {
             let planned = reader.header().tasks;
             if (tasks as u64) < planned {
                 output::say(&format!(
-                    "note: the run has {planned} tasks; without results the others have no commands"
+                    "note: the run has {planned} tasks; tasks without results have no commands"
                 ));
             }
         }

@@ -63,7 +63,7 @@ pub(crate) fn check(written: std::io::Result<()>) {
 pub(crate) fn failure() -> Option<CliError> {
     let why = FAILURE.get()?;
     Some(CliError::output(format!(
-        "cannot write to the standard output: {why} (free some space, or send it elsewhere)"
+        "cannot write to the standard output: {why} (free some space, or redirect it)"
     )))
 }
 
@@ -172,11 +172,11 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     for (k, own) in places.iter().enumerate() {
         let Some(own) = own else { continue };
         if places[..k].iter().any(|other| other.as_ref() == Some(own)) && !is_stream(own) {
-            return Err(CliError::usage(format!("{}: two files would be written there", files[k].display())));
+            return Err(CliError::usage(format!("{}: two outputs have this path", files[k].display())));
         }
         if let Some(run) = runs.iter().find(|run| place(run).is_some_and(|dir| RunReader::owns(&dir, own))) {
             return Err(CliError::usage(format!(
-                "{} is a file of the run {}, and would be lost (name another file)",
+                "{} is a file of the run {} and would be overwritten (give another file)",
                 files[k].display(),
                 run.display()
             )));
@@ -191,7 +191,7 @@ pub(crate) fn must_not_replace(file: &Path, force: ForceArgs) -> Result<(), CliE
         return Ok(());
     }
     Err(CliError::output(format!(
-        "{} is there already (choose another --out, or replace it with --force)",
+        "{} already exists (choose another --out, or replace it with --force)",
         file.display()
     )))
 }
@@ -338,7 +338,7 @@ mod tests {
             assert!(e.contains(file) && e.contains("is a file of the run"), "{e}");
         }
         let e = spared(&[at("a.csv"), at("run/../a.csv")]).unwrap_err().to_string();
-        assert!(e.contains("two files would be written there"), "{e}");
+        assert!(e.contains("two outputs have this path"), "{e}");
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(at("run/tasks.jsonl"), at("link")).unwrap();

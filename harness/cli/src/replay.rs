@@ -66,8 +66,8 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     })?;
     for r in replay.runs.iter().filter(|r| r.motion.repeat == Repeat::Samples) {
         output::say(&format!(
-            "{}: shown from its samples, without ruts: the simulation can't be repeated by them with the data at hand (run with --trace \
-             full, with this version and these vehicle and soil files, to repeat it)",
+            "{}: shown from its samples, without ruts, because the simulation cannot be reproduced with these data (run with --trace \
+             full, this version and these vehicle and soil files to reproduce it)",
             r.label
         ));
     }
@@ -123,7 +123,7 @@ pub(crate) fn open(path: &Path) {
     let screen =
         ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some_and(|v| !v.is_empty()));
     if (cfg!(target_os = "linux") && !screen) || open::that_detached(path).is_err() {
-        output::say(&format!("no browser here: open {} in one", path.display()));
+        output::say(&format!("no browser found: open {} in a browser", path.display()));
     }
 }
 
@@ -216,8 +216,8 @@ impl Senses<'_> {
         let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
             output::say(&format!(
-                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (replay shows it by \
-                 the run's file, which --perception names)"
+                "the available perception profile {name} differs from that of the run, so its sensor data are not shown (give the run's \
+                 file with --perception)"
             ));
             return Ok(None);
         }
@@ -353,7 +353,7 @@ fn part(
     let header = r.header.clone();
     let vehicle = places::catalog()
         .vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
-        .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
+        .map_err(|e| CliError::input(format!("{e}; give the run's vehicle with --vehicle")))?;
     let same_vehicle = vehicle.hash == header.vehicle.hash;
     let soils = places::catalog()
         .soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)

@@ -68,13 +68,15 @@ fn page_dir(args: &ReportArgs) -> Option<PathBuf> {
 pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError> {
     let page_dir = page_dir(args);
     if args.figures.as_deref() == Some(Path::new("-")) {
-        return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
+        return Err(CliError::usage("--figures - : figures are several files (give a directory)"));
     }
     if args.replays.is_some() && page_dir.is_none() {
-        return Err(CliError::usage("--replays: replays are linked from the page (add --out DIR)"));
+        return Err(CliError::usage("--replays: replays are linked from the HTML report (add --out DIR)"));
     }
     if args.maps.is_some() && page_dir.is_none() && args.figures.is_none() {
-        return Err(CliError::usage("--maps: maps are pages or figures (add --out DIR or --figures DIR)"));
+        return Err(CliError::usage(
+            "--maps: maps are HTML files or figures (add --out DIR or --figures DIR)",
+        ));
     }
     let figures_in = match &args.figures {
         Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
@@ -211,7 +213,7 @@ impl Worlds {
         let first = &runs[0];
         if let Some(other) = runs.iter().find(|r| r.header.scale != first.header.scale) {
             return Err(CliError::usage(format!(
-                "--maps: runs {} and {} have worlds of different scale, which are on no common map (report them one by one)",
+                "--maps: runs {} and {} have worlds of different scale, which have no common map (report them one by one)",
                 first.dir.display(),
                 other.dir.display()
             )));

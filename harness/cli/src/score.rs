@@ -33,7 +33,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
             output::text(&vb_files::printable(&result.summary.table(output::width())));
             if !result.exact {
                 output::say(&format!(
-                    "scored from samples every {} s: figures are as good as that (run with --trace full for exact ones)",
+                    "scored from samples every {} s, with corresponding accuracy (run with --trace full for exact values)",
                     result.resolution_s
                 ));
             }
@@ -47,6 +47,6 @@ fn own_rules(args: &ScoreArgs) -> Result<Rules, CliError> {
     let run = RunReader::open(&args.run).map_err(CliError::input)?;
     Rules::recorded(run.header()).map_err(|e| {
         let file = args.run.join("run.json");
-        CliError::input(format!("{}: rules.profile: {e} (name rules with --rules)", file.display()))
+        CliError::input(format!("{}: rules.profile: {e} (give rules with --rules)", file.display()))
     })
 }

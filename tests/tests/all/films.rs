@@ -96,18 +96,15 @@ fn what_cannot_be_filmed_is_said_before_anything_is_drawn() {
         let error = vb_tests::Done::of(bench.command(&args).env("PATH", bench.path("nothing"))).error(2);
         assert!(error.contains(wanted), "{more:?}: {error}");
     };
-    says(
-        &["--video", "v.avi"],
-        "v.avi: can't tell the format of the video (end the name in .gif, .mp4 or .webm)",
-    );
-    says(&["--video", "v.mp4"], "MP4 files are made by ffmpeg, which is not on the PATH");
+    says(&["--video", "v.avi"], "v.avi: unknown video format (use the extension .gif, .mp4 or .webm)");
+    says(&["--video", "v.mp4"], "MP4 files need ffmpeg, which is not on the PATH");
     says(
         &["--video", "v.webm", "--size", "101x100"],
-        "WebM files have an even number of columns and rows, and 101x100 is not",
+        "WebM files need an even width and height, not 101x100",
     );
-    says(&["--video", "v.gif", "--fps", "60"], "--fps 60: GIF files have 1 to 50 frames a second");
-    says(&["--video", "v.gif", "--from", "500"], "--from 500: the runs have 0 to ");
-    says(&["--png", "p.png", "--at", "500"], "--at 500: the runs have 0 to ");
+    says(&["--video", "v.gif", "--fps", "60"], "--fps 60: GIF files support 1 to 50 frames per second");
+    says(&["--video", "v.gif", "--from", "500"], "--from 500: the runs cover 0 to ");
+    says(&["--png", "p.png", "--at", "500"], "--at 500: the runs cover 0 to ");
     says(&["--camera", "top"], "<--video <FILE>|--png <FILE>>");
     says(
         &["--png", "p.png", "--size", "5000x10"],

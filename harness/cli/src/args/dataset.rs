@@ -152,7 +152,7 @@ fn episodes(text: &str) -> Result<RangeInclusive<usize>, String> {
     let (from, to) = text.split_once('-').unwrap_or((text, text));
     match (from.parse(), to.parse()) {
         (Ok(from), Ok(to)) if from <= to => Ok(from..=to),
-        _ => Err(format!("\"{text}\" is no number, and no range as 10-19")),
+        _ => Err(format!("\"{text}\" is neither a number nor a range, e.g. 10-19")),
     }
 }
 

@@ -41,7 +41,7 @@ fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
     let frames = (args.duration * f64::from(before.hz)).ceil() as usize;
     let mut writer = begin(args, header, &worlds, frames)?;
     if vb_dataset::failures(&dataset, &mut writer, args.duration)? == 0 {
-        return Err(CliError::input(format!("{}: no episode of it failed", args.of.display())));
+        return Err(CliError::input(format!("{}: it contains no failed episode", args.of.display())));
     }
     finish(writer, true, &args.out, args.format.get())
 }
@@ -54,7 +54,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     records.sort_by(|a, b| a.task.cmp(&b.task));
     if records.is_empty() {
         return Err(CliError::input(format!(
-            "{}: no task of it rolled over or got stuck",
+            "{}: it contains no task with a rollover or a stuck vehicle",
             args.of.display()
         )));
     }
@@ -65,7 +65,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
         Err(_) if args.of_a_suite => true,
         Err(e) => {
             return Err(CliError::usage(format!(
-                "{e}; or give --of-a-suite if the failures are only to be looked at"
+                "{e}; or give --of-a-suite if the failures are for inspection only"
             )));
         }
     };
@@ -117,7 +117,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     let done =
         making.failures_again(&mut writer, &reader, &records, args.duration, &mut |p| told.progress(p))?;
     if !done {
-        return Err(CliError::interrupted("stopped, and nothing is kept (the same command begins anew)"));
+        return Err(CliError::interrupted("stopped without output (the same command starts again)"));
     }
     finish(writer, true, &args.out, args.format.get())
 }
@@ -160,7 +160,7 @@ fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError>
     ];
     if let Some((what, name, ..)) = at_hand.iter().find(|(_, _, own, now)| own != now) {
         return Err(CliError::input(format!(
-            "the {what} {name} at hand is not that of the run (name the run's file with --vehicle or --soils, or drive the run again)"
+            "the available {what} {name} differs from that of the run (give the run's file with --vehicle or --soils, or re-run)"
         )));
     }
     let rules =

@@ -55,7 +55,7 @@ fn vehicle(dataset: &Dataset, wanted: Option<&str>) -> Result<VehicleModel, CliE
         Ok(found) if found.hash == own.hash => VehicleModel::new(found.spec).map_err(CliError::input),
         Err(e) if wanted.is_some() => Err(e.into()),
         _ => Err(CliError::input(format!(
-            "the vehicle {} at hand is not that of the dataset (name its file with --vehicle)",
+            "the available vehicle {} differs from that of the dataset (give its file with --vehicle)",
             wanted.unwrap_or(&own.name)
         ))),
     }

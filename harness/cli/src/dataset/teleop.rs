@@ -54,7 +54,7 @@ pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
     seat.serve(&cancel)?;
     let Seat { writer, .. } = seat;
     if writer.episodes() == 0 {
-        return Err(CliError::interrupted("stopped: nobody has driven, and there is no dataset"));
+        return Err(CliError::interrupted("stopped without an episode, so there is no dataset"));
     }
     finish(writer, true, &args.scene.out, args.scene.format.get())
 }
@@ -144,7 +144,7 @@ impl Seat<'_> {
         let episodes = self.writer.episodes();
         let info = &episode.info;
         let text = if given_up {
-            "given up: it isn't kept".to_owned()
+            "discarded".to_owned()
         } else {
             format!("{} after {:.1} s: {}", info.outcome.name().replace('_', " "), info.time_s, info.reason)
         };
@@ -154,7 +154,7 @@ impl Seat<'_> {
         if self.json {
             output::json(&Message::Episode { task, outcome: info.outcome.name(), frames, episodes });
         } else {
-            output::note(&format!("{task}: {text}; {episodes} episodes are kept"));
+            output::note(&format!("{task}: {text}; {episodes} episodes stored"));
         }
         Ok(asked.filter(|a| matches!(a, Ask::Start(_))))
     }

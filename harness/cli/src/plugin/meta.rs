@@ -62,10 +62,10 @@ fn parse(text: &str) -> Result<Metadata, String> {
     let Document { name, version, authors, about, control_period, params, needs, needs_without_maps, models } =
         document;
     if !metadata::is_name(&name) {
-        return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
+        return Err(format!("name: {name:?} is not a valid planner name; use a-z, 0-9, - and _"));
     }
     if version.trim().is_empty() {
-        return Err("version: it is empty; results are told apart by it, e.g. 0.1.0".into());
+        return Err("version: it is empty; it identifies results, e.g. 0.1.0".into());
     }
     if let Some(author) = authors.iter().find(|a| a.is_empty() || a.contains(':')) {
         return Err(format!("authors: {author:?} must be a text without a colon, which separates authors"));
@@ -150,9 +150,9 @@ models: [hills.vbnn sha256 1]
             ("name: mode", "name: speed", "params[1].name: \"speed\" is declared twice"),
             ("name: mode", "name: 'a=b'", "params[1].name: \"a=b\""),
             ("about:", "abuot:", "abuot"),
-            ("about:", "needs: [radar]\nabout:", "needs[0]: there is no sensor `radar`"),
-            ("about:", "needs: [imu 30]\nabout:", "needs[0]: imu can't be read 30 times a second"),
-            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is asked for twice"),
+            ("about:", "needs: [radar]\nabout:", "needs[0]: unknown sensor `radar`"),
+            ("about:", "needs: [imu 30]\nabout:", "needs[0]: the rate `30` of imu must be"),
+            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is requested twice"),
         ] {
             let e = changed(from, to);
             assert!(e.contains(says) && e.lines().count() == 1, "{to}: {e}");

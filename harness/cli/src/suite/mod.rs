@@ -59,7 +59,7 @@ pub(crate) fn open(wanted: &Path) -> Result<Suite, CliError> {
     let found = places::catalog().suite(Some(wanted))?;
     if is_another(wanted, &found) {
         output::note(&format!(
-            "note: {here} is the suite that comes with the harness; the one in the folder {here} here is ./{here}",
+            "note: {here} is the built-in suite; use ./{here} for the folder {here}",
             here = wanted.display()
         ));
     }
@@ -178,7 +178,7 @@ fn keep_apart(seed: u64, training: bool) -> Result<(), CatalogError> {
 /// The suite of training worlds with this seed and number: where it was made before, or made now.
 #[cfg(feature = "dataset")]
 pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
-    let making = &mut || output::note(&format!("making {worlds} training worlds of seed {seed}"));
+    let making = &mut || output::note(&format!("generating {worlds} training worlds of seed {seed}"));
     places::catalog().training(seed, worlds, making).map_err(|e| match e {
         // The option is another one than that of `suite generate`.
         CatalogError::NoTrainingSeed(_) => CliError::usage(format!("--world-{e}")),

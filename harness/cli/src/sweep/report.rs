@@ -68,7 +68,7 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
     match missing.first() {
         None => Ok(()),
         Some(first) => Err(CliError::incomplete(format!(
-            "{} of {} runs are not done and in no table: {first}{} (see sweep status; sweep run --resume continues)",
+            "{} of {} runs are unfinished and omitted: {first}{} (see sweep status; sweep run --resume continues)",
             missing.len(),
             sweep.spec.runs().len(),
             if missing.len() > 1 { " and others" } else { "" }

@@ -44,7 +44,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
         let share =
             if done > 0 { format!("{:.1} %", 100.0 * success as f64 / done as f64) } else { String::new() };
         let note = match (state.failed, state.is_whole, done) {
-            (n, ..) if n > 0 => format!("the machine failed {n} tasks"),
+            (n, ..) if n > 0 => format!("{n} tasks failed because of the machine"),
             (_, false, n) if n > 0 => "in shards".to_owned(),
             _ => String::new(),
         };
@@ -57,7 +57,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
     }
     output::text(&output::columns(&rows));
     output::text(&format!(
-        "{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are done\n",
+        "{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are finished\n",
         sweep.spec.name
     ));
     Ok(())

@@ -152,7 +152,7 @@ impl Arena {
         }
         if let Some(name) = options.observation.iter().find(|n| PARTS.iter().all(|k| k.name != **n)) {
             let known = PARTS.map(|k| k.name).join(", ");
-            return Err(option("observation", name.clone(), &format!("there are {known}")));
+            return Err(option("observation", name.clone(), &format!("unknown part; parts: {known}")));
         }
         let rules = Rules::resolve(&options.rules)?;
         let vehicle = catalog.vehicle(&options.vehicle)?;
@@ -166,7 +166,7 @@ impl Arena {
         };
         let tasks = vb_catalog::select(&suite, options.tasks.as_deref())?;
         let Some(first) = tasks.first() else {
-            return Err(option("tasks", options.tasks.unwrap_or_default(), "chooses no task"));
+            return Err(option("tasks", options.tasks.unwrap_or_default(), "selects no task"));
         };
         let wants = Wants {
             name: "the environment".into(),

@@ -30,7 +30,7 @@ pub enum CourseError {
         "time_step: {0:?} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
     )]
     TimeStep(f64),
-    #[error("world {0} has granular beds, which GPU environments don't have: choose other tasks")]
+    #[error("world {0} has granular beds, which GPU environments do not support: choose other tasks")]
     Beds(String),
 }
 

@@ -69,7 +69,7 @@ pub(crate) fn file(imported: &Imported) -> String {
     for (kind, head) in [
         (Kind::Chosen, "Choices:"),
         (Kind::Approximated, "Approximations:"),
-        (Kind::Assumed, "Assumptions, which the source does not give:"),
+        (Kind::Assumed, "Assumptions without values in the source:"),
         (Kind::NoCounterpart, "Values of the source without a counterpart:"),
     ] {
         let notes: Vec<_> = imported.notes.of(kind).collect();

@@ -45,7 +45,7 @@ fn refused(path: &Path, error: StoreError) -> LoadError {
         StoreError::Damaged { detail, hint, .. } => format!("{detail} ({hint})"),
         StoreError::Schema { found, supported, .. } => {
             format!(
-                "a recording of schema {found}; this version reads schema {supported} (use the version that wrote it)"
+                "recording schema {found} is not supported; this version reads schema {supported} (use the version that wrote it)"
             )
         }
         e => e.to_string(),
@@ -98,7 +98,7 @@ struct Recorded(Arc<Recording>);
 impl External for Recorded {
     fn start(&self, task: &Task, _: ExternalLog) -> Result<Box<dyn ExternalSession>, FaultCause> {
         let Some(id) = task.id.parse::<TaskId>().ok().filter(|id| self.0.tasks.contains_key(id)) else {
-            let message = "the recording has no commands of this task".to_owned();
+            let message = "the recording has no commands for this task".to_owned();
             return Err(FaultCause::Error { message });
         };
         Ok(Box::new(RecordedSession { recording: Arc::clone(&self.0), id, next: 0 }))

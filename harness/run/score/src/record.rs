@@ -11,26 +11,26 @@ use vb_world::{Density, Elevation, TaskId, Terrain};
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
 measures! {
-    /// Resources that a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
+    /// Resources that a planner used in one task. Fuel is in the host's units (approximately WebAssembly instructions).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     "fuel": pub struct FuelUse {
         /// Fuel in the whole task.
         pub total: u64,
         /// Fuel for start-up and `init`.
         pub init: u64,
-        /// Fuel for the median step.
+        /// Median fuel per step.
         pub p50_step: u64,
-        /// Fuel that 99 % of the steps stay within.
+        /// 99th percentile of the fuel per step.
         pub p99_step: u64 => column("fuel 99 %"),
-        /// Fuel for the most costly step.
+        /// Maximum fuel per step.
         pub max_step: u64,
-        /// `init` as a share of its limit.
+        /// `init` as a fraction of its limit.
         pub init_share: f64,
-        /// `p99_step` as a share of the limit of a step.
+        /// `p99_step` as a fraction of the limit of a step.
         pub p99_share: f64,
-        /// `max_step` as a share of the limit of a step.
+        /// `max_step` as a fraction of the limit of a step.
         pub max_share: f64,
-        /// The most linear memory, bytes.
+        /// Maximum linear memory, bytes.
         pub memory_bytes: u64,
     }
 }
@@ -54,7 +54,7 @@ fn count<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
 }
 
 impl FuelUse {
-    /// Takes in the use of another task: the fuel of both in total, and otherwise the most of either.
+    /// Adds the use of another task: the sum of the total fuel, and the maximum of all other values.
     pub(crate) fn pool(&mut self, other: &Self) {
         *self = Self {
             total: self.total.saturating_add(other.total),
@@ -114,19 +114,19 @@ pub struct TaskRecord {
     /// Properties of the trial in addition to its outcome ([`TaskRecord::judge`]); unknown ones are left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub flags: BTreeMap<Flag, bool>,
-    /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be
-    /// compared with results without them.
+    /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), as text, e.g. `time step 5 ms`;
+    /// the result is not comparable with results without them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub departures: Vec<String>,
-    /// The reason for the outcome, in words.
+    /// The reason for the outcome, as text.
     pub reason: String,
     /// The cause of a rollover or of getting stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
-    /// The figures that the cause was known by, in words; empty without a cause.
+    /// The measured values on which the cause is based, as text; empty without a cause.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub evidence: String,
-    /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`.
+    /// The stable code of an error, e.g. `planner/out-of-fuel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<FaultCode>,
     /// The simulated time at the end of the task, s.
@@ -149,21 +149,20 @@ pub struct TaskRecord {
     /// The measures; `None` if the task ended before the first sample.
     #[serde(default, deserialize_with = "Metrics::checked")]
     pub metrics: Option<Metrics>,
-    /// Shock and ride; `None` if the task ended before the first step, or was scored again with another end.
+    /// Shock and ride; `None` if the task ended before the first step, or was re-scored with a different end.
     #[serde(default, deserialize_with = "Ride::checked", skip_serializing_if = "Option::is_none")]
     pub ride: Option<Ride>,
-    /// The last lines that the planner logged, if the run keeps them for such a task; otherwise, or if it logged none,
-    /// the list is empty.
+    /// The last lines of the planner's log, if the run keeps them for such a task; otherwise empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<String>,
-    /// The innermost functions at a trap of the planner, the failing one first.
+    /// The innermost stack frames at a trap of the planner, the failing function first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub backtrace: Vec<String>,
 }
 
 impl TaskRecord {
-    /// The reason with the cause and its evidence, in words: `moved 0.12 m in the last 10 s; high-centred: the hull bears 43 %
-    /// of the weight`.
+    /// The reason with the cause and its evidence:
+    /// `moved 0.12 m in the last 10 s; high-centred: the hull bears 43 % of the weight`.
     #[must_use]
     pub fn explanation(&self) -> String {
         match self.cause {
@@ -173,12 +172,12 @@ impl TaskRecord {
         }
     }
 
-    /// Sets the flags to what outcome, metrics and ride say.
+    /// Sets the flags that follow from outcome, metrics and ride.
     pub fn judge(&mut self) {
         self.flags = self.judged();
     }
 
-    /// The flags that outcome, metrics and ride give.
+    /// The flags that follow from outcome, metrics and ride.
     #[must_use]
     pub fn judged(&self) -> BTreeMap<Flag, bool> {
         let (metrics, ride) = (self.metrics.as_ref(), self.ride.as_ref());
@@ -186,9 +185,9 @@ impl TaskRecord {
         Flag::ALL.into_iter().filter_map(of).collect()
     }
 
-    /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
-    /// (state hash, steps, clamped commands, fuel, log) stays. So does the cause of a failure that is one of the same kind, and
-    /// shock and ride where the trial ends at the same time: a trace doesn't hold what others could be known by.
+    /// Replaces what the rules decided by another score, as re-scoring does. Values over the whole simulation (state
+    /// hash, steps, clamped commands, fuel, log) are kept, as are the cause of a failure of the same class, and shock
+    /// and ride where the trial ends at the same time: traces don't contain the data to determine others.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
         if time_s != self.time_s {

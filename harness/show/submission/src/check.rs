@@ -20,7 +20,8 @@ use crate::manifest::{Manifest, SUBMISSION_SCHEMA, TaskEntry};
 use crate::verdict::{DIFFERENCES, Finding, Findings};
 
 /// Of a document that says the same, but in other bytes.
-const UNLIKE_OURS: &str = "is not written as `submit` writes it: a field twice, unknown, or of another form";
+const UNLIKE_OURS: &str =
+    "differs from the format of `submit`: a duplicate or unknown field, or another form";
 
 const MISSING: &str = "is missing";
 /// The beginning of what is said of a file above its limit.
@@ -28,7 +29,7 @@ const TOO_LARGE: &str = "is larger than";
 
 /// What is said of a file above its limit, both in bytes.
 pub(crate) fn too_large(size: u64, limit: u64) -> String {
-    format!("{TOO_LARGE} such a file may be: {size} bytes, at most {limit}")
+    format!("{TOO_LARGE} its limit: {size} bytes, at most {limit}")
 }
 
 /// Lines of `tasks.jsonl` that are looked at beyond the number of tasks: enough findings for a verdict.
@@ -70,7 +71,7 @@ impl Submission {
         let (manifest, bytes) = files::read_json(&path, DOCUMENT, SUBMISSION_SCHEMA, |bytes| {
             // Each task has an entry of its own, of known fields. The rest is a page of text.
             if files::length_without(bytes, "tasks") as u64 > SMALL {
-                let what = "a manifest, its tasks left out, of bytes";
+                let what = "a manifest without tasks, in bytes,";
                 return Err(SubmissionError::TooLarge { path: path.clone(), what, limit: SMALL });
             }
             Ok(())
@@ -139,7 +140,7 @@ impl Submission {
             }
         }
         for name in self.manifest.files.keys().filter(|n| !there.contains_key(*n) && !wanted.contains(*n)) {
-            found.push(Finding::new("files", name, "is in the manifest but not there"));
+            found.push(Finding::new("files", name, "is in the manifest, but missing"));
         }
         Ok(found)
     }
@@ -189,7 +190,7 @@ pub(crate) fn check(
     if found.is_empty()
         && files::read(&submission.dir.join(REPORT), PAGE)? != report(&submission.dir)?.as_bytes()
     {
-        found.push(Finding::new("report", REPORT, "is not the page that the records give"));
+        found.push(Finding::new("report", REPORT, "differs from the report of the records"));
     }
     Ok((found, records.into_iter().map(|r| r.task).collect()))
 }
@@ -334,7 +335,7 @@ fn check_tasks(
     files::each_line(&submission.dir.join(&file), |number, line, ended| {
         let mut note = |place: String, text: String| found.push(Finding::new("tasks", place, text));
         if number > lines {
-            note(file.clone(), format!("has more than {lines} lines: the rest was not read"));
+            note(file.clone(), format!("has more than {lines} lines; further lines are not read"));
             return Ok(ControlFlow::Break(()));
         }
         let record: TaskRecord = match serde_json::from_slice(line) {
@@ -346,27 +347,27 @@ fn check_tasks(
         };
         let place = format!("{file}: {}", record.task);
         if !ended || serde_json::to_vec(&record).ok().as_deref() != Some(line) {
-            note(place.clone(), format!("line {number} is not written as `submit` writes it"));
+            note(place.clone(), format!("line {number} differs from the format of `submit`"));
         }
         if !seen.insert(record.task.clone()) {
-            note(place, "is there twice".into());
+            note(place, "is a duplicate".into());
             return Ok(ControlFlow::Continue(()));
         }
         if !wanted.remove(&record.task) {
-            note(place, "is no task of the run".into());
+            note(place, "is not a task of the run".into());
             return Ok(ControlFlow::Continue(()));
         }
         if let Some(w) = worlds.get(record.task.world()) {
             let labels = (w.id.as_str(), w.elevation, w.terrain, w.density);
             if (record.world.as_str(), record.elevation, record.terrain, record.density) != labels {
-                note(place.clone(), "its world or labels are not those of the suite".into());
+                note(place.clone(), "its world or labels differ from those of the suite".into());
             }
         }
         if record.flags != record.judged() {
-            note(place.clone(), "its flags are not those that its outcome, metrics and ride give".into());
+            note(place.clone(), "its flags do not follow from its outcome, metrics and ride".into());
         }
         if record.outcome == Outcome::HostError {
-            note(place.clone(), "failed by the machine, so it is no result".into());
+            note(place.clone(), "failed because of the machine, so it is not a result".into());
         }
         let entry = TaskEntry::from(&record);
         match m.tasks.get(&record.task) {
@@ -390,14 +391,14 @@ fn check_tasks(
         found.push_with(|| Finding::new("tasks", format!("{MANIFEST}: tasks.{task}"), "has no record"));
     }
     if m.replays.len() > REPLAYS {
-        let text = format!("are {}, not {REPLAYS} at most", m.replays.len());
+        let text = format!("are {}; at most {REPLAYS} are allowed", m.replays.len());
         found.push(Finding::new("tasks", format!("{MANIFEST}: replays"), text));
     }
     let mut last: Option<&TaskId> = None;
     for task in &m.replays {
         if !seen.contains(task) || last.is_some_and(|l| l >= task) {
             found.push_with(|| {
-                let text = format!("{task} is no task of the run, or is not in its place");
+                let text = format!("{task} is not a task of the run, or is out of order");
                 Finding::new("tasks", format!("{MANIFEST}: replays"), text)
             });
         }
@@ -412,7 +413,7 @@ fn check_summary(
     found: &mut Findings,
 ) -> Result<(), SubmissionError> {
     for d in differences(&submission.manifest.results, &summary.all, DIFFERENCES) {
-        let text = format!("is {}, the records give {}", d.a, d.b);
+        let text = format!("is {}; the records result in {}", d.a, d.b);
         found.push(Finding::new("summary", format!("{MANIFEST}: results.{}", d.path), text));
     }
     let path = submission.run_dir().join("summary.json");
@@ -423,7 +424,7 @@ fn check_summary(
     }
     let place = format!("{RUN}/summary.json");
     if bytes.len() as u64 > SMALL.saturating_add(2 * ours.len() as u64) {
-        let text = format!("has {} bytes, the records give {}", bytes.len(), ours.len());
+        let text = format!("has {} bytes; the records result in {}", bytes.len(), ours.len());
         found.push(Finding::new("summary", place, text));
         return Ok(());
     }
@@ -432,11 +433,11 @@ fn check_summary(
         Ok(stated) => {
             let differ = differences(&stated, summary, DIFFERENCES);
             for d in &differ {
-                let text = format!("is {}, the records give {}", d.a, d.b);
+                let text = format!("is {}; the records result in {}", d.a, d.b);
                 found.push(Finding::new("summary", format!("{place}: {}", d.path), text));
             }
             if differ.is_empty() {
-                found.push(Finding::new("summary", place, "is not written as `submit` writes it"));
+                found.push(Finding::new("summary", place, "differs from the format of `submit`"));
             }
         }
     }
@@ -447,7 +448,7 @@ fn check_division(m: &Manifest, shipped: &Shipped, found: &mut Findings) {
     let reasons = open_reasons(&m.run, shipped);
     same(found, "division", "division", m.division.name(), division(&m.run, &reasons).name());
     for d in differences(&m.open_because, &reasons, DIFFERENCES) {
-        let text = format!("is {}, by the rules it is {}", d.a, d.b);
+        let text = format!("is {}; the rules result in {}", d.a, d.b);
         found.push(Finding::new("division", format!("{MANIFEST}: open_because.{}", d.path), text));
     }
 }

@@ -142,7 +142,7 @@ pub fn check_replays(wanted: &[TaskId]) -> Result<(), SubmissionError> {
         [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {
             task: first.clone(),
             problem: format!(
-                "one of {} tasks, of which {REPLAYS} at most can be carried along",
+                "one of {} tasks; a submission contains at most {REPLAYS} replays",
                 wanted.len()
             ),
         }),

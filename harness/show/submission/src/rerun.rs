@@ -79,7 +79,7 @@ pub fn verify(
             findings.push(Finding::new(
                 "plugin",
                 MANIFEST,
-                "the plugin's file was changed while it was verified",
+                "the plugin file changed during the verification",
             ));
         }
         check_plugin(m, plugin, expected.perception, &mut findings);
@@ -198,7 +198,11 @@ impl Again<'_> {
             let (stated, driven) = (self.comparable(stated), self.comparable(driven.clone()));
             for d in differences(&stated, &driven, DIFFERENCES) {
                 let place = format!("{file}: {}: {}", stated.task, d.path);
-                found.push(Finding::new("rerun", place, format!("is {}, driven again it is {}", d.a, d.b)));
+                found.push(Finding::new(
+                    "rerun",
+                    place,
+                    format!("is {}; the re-run results in {}", d.a, d.b),
+                ));
             }
             Ok(ControlFlow::Continue(()))
         })
@@ -243,10 +247,8 @@ impl Again<'_> {
             };
             if stated != driven {
                 let text = match driven {
-                    Some(_) => "is not what comes out when the task is driven again",
-                    None => {
-                        "is there, though driving the task again gives none, or a larger one, which is left out"
-                    }
+                    Some(_) => "differs from the re-run of the task",
+                    None => "exists, but the re-run of the task has none, or one that exceeds the size limit",
                 };
                 found.push(Finding::new("rerun", place(), text));
             }

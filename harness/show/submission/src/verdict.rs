@@ -10,15 +10,15 @@ pub const VERIFICATION_SCHEMA: u32 = 1;
 /// The number of leaves of two documents whose differences become findings.
 pub(crate) const DIFFERENCES: usize = 20;
 
-/// A statement of a submission that isn't true.
+/// An incorrect statement of a submission.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
-    /// The check that found it, one of [`Verification::CHECKS`].
+    /// The check that reported it, one of [`Verification::CHECKS`].
     pub check: String,
     /// The file, and the field or task in it.
     pub place: String,
-    /// A text on what the submission says, and what it should say.
+    /// The value in the submission and the correct value, as text.
     pub text: String,
 }
 
@@ -74,11 +74,11 @@ impl Findings {
     }
 }
 
-/// The sample of tasks that were driven again.
+/// The sample of re-run tasks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleTaken {
-    /// The seed that drew the tasks; `None` if all were driven.
+    /// The seed of the sample; `None` if all tasks were re-run.
     pub seed: Option<u64>,
     /// The number of tasks of the submission.
     pub of: u64,
@@ -93,24 +93,24 @@ pub struct Verification {
     pub schema: u32,
     /// The version of the harness that verified.
     pub harness_version: String,
-    /// Whether nothing was found.
+    /// Whether there are no findings.
     pub verified: bool,
     /// The SHA-256 of `submission.json`, which states those of all other files.
     pub submission_sha256: String,
-    /// The SHA-256 of the plugin that was driven.
+    /// The SHA-256 of the plugin that was run.
     pub plugin_sha256: String,
     /// The content hash of the suite.
     pub suite_hash: String,
-    /// The division by the rules.
+    /// The division according to the conditions.
     pub division: Division,
     /// The checks that were made, in order.
     pub checks: Vec<String>,
-    /// The findings, a hundred at most.
+    /// The findings, at most a hundred.
     pub findings: Vec<Finding>,
-    /// The number of findings beyond those.
+    /// The number of further findings.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub more_findings: u64,
-    /// The tasks that were driven again; `None` if that was not come to, since something was found before.
+    /// The re-run tasks; `None` if there were findings before the re-run.
     pub sample: Option<SampleTaken>,
 }
 

@@ -115,7 +115,7 @@ impl Files for LeRobot {
         [("total_frames", frames), ("total_episodes", episodes)]
             .into_iter()
             .filter(|(name, is)| total(name) != Some(*is as u64))
-            .map(|(name, is)| format!("{INFO}: {name} is not {is}, which the episodes sum to"))
+            .map(|(name, is)| format!("{INFO}: {name} is not {is}, the sum over the episodes"))
             .collect()
     }
 

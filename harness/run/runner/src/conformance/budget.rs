@@ -25,7 +25,7 @@ pub(super) fn check(driven: &[TaskRecord], limits: &Limits) -> Check {
     let text = |(_, what, fraction): &(_, &str, f64)| format!("{} {what}", percent(*fraction));
     let detail = fractions.iter().map(text).collect::<Vec<_>>().join(", ");
     let check = if fractions.iter().any(|(.., fraction)| *fraction > MUCH) {
-        Check::warn(NAME, detail, "above 70 % of a limit, a harder task may go beyond it: use less")
+        Check::warn(NAME, detail, "above 70 % of a limit: harder tasks may exceed it; use less")
     } else {
         Check::pass(NAME, detail)
     };

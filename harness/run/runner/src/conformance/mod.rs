@@ -65,10 +65,10 @@ pub enum KitError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// The harness or the machine failed: nothing is known about the planner.
-    #[error("the harness or the machine failed, so nothing is known about the planner: {0}")]
+    #[error("the harness or the machine failed, so the planner was not checked: {0}")]
     Host(String),
     /// The checks were cancelled.
-    #[error("stopped before all checks were made")]
+    #[error("stopped before the last check")]
     Cancelled,
 }
 

@@ -400,7 +400,7 @@ fn what_the_host_failed_counts_for_nobody() {
     assert_eq!(with.host_errors, ["w9/t9"]);
     assert_eq!((&with.all, &with.world, &with.terrain), (&without.all, &without.world, &without.terrain));
     assert_eq!((without.missing(), with.missing()), (1, 0));
-    assert!(with.table(None).contains("1 failed by the harness or the machine, not counted above"));
+    assert!(with.table(None).contains("1 failed because of the harness or the machine, not counted above"));
 }
 
 #[test]
@@ -484,7 +484,7 @@ fn a_run_without_a_finished_task_has_an_empty_summary_and_a_table() {
     let rules = Rules::paper();
     let summary = Summary::new(&header(&rules, TraceMode::None, 7), &rules, &[], Vec::new());
     assert!(summary.all.is_none());
-    assert!(summary.table(None).contains("7 of 7 tasks not run yet"));
+    assert!(summary.table(None).contains("7 of 7 tasks pending"));
     serde_json::to_string(&summary).unwrap();
 }
 
