@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::{Command, HeightMap, LabelMap, LocalMap, Observation, Pose, Task};
+use crate::{Command, Gear, HeightMap, LabelMap, LocalMap, Observation, Pose, Task};
 
 /// A planner for one task. Implement this trait and export the planner with [`export_planner!`](crate::export_planner).
 ///
@@ -68,6 +68,18 @@ impl Command {
         };
         let changed = (limited.steering, limited.throttle, limited.brake) != (steering, throttle, brake);
         (limited, changed)
+    }
+}
+
+impl Gear {
+    /// The direction of travel: 1 forward, 0 in neutral, -1 in reverse.
+    #[must_use]
+    pub fn direction(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Neutral => 0.0,
+            Self::Reverse => -1.0,
+        }
     }
 }
 
@@ -199,6 +211,11 @@ mod tests {
         assert_eq!(command(-1.0, 1.0, 0.0).clamped(), (command(-1.0, 1.0, 0.0), false));
         assert_eq!(command(1.5, 0.5, 0.0).clamped(), (command(1.0, 0.5, 0.0), true));
         assert_eq!(command(-7.0, -0.1, 2.0).clamped(), (command(-1.0, 0.0, 1.0), true));
+    }
+
+    #[test]
+    fn gears_have_the_sign_of_the_direction_of_travel() {
+        assert_eq!([Gear::Forward, Gear::Neutral, Gear::Reverse].map(Gear::direction), [1.0, 0.0, -1.0]);
     }
 
     #[test]

@@ -155,7 +155,7 @@ pub(crate) fn install() -> Result<(), Failure> {
     run(&mut command)?;
     let files = plugins::to_drive_with()?;
     let files = files.iter().map(|name| default_plugin_dir().join(format!("{name}.wasm")));
-    run(Command::new(installed()).args(["plugin", "install"]).args(files))
+    run(Command::new(installed()).args(["plugin", "install", "--force"]).args(files))
 }
 
 /// Where cargo installs the program.

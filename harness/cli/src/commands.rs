@@ -18,6 +18,7 @@ enum Message<'a> {
 }
 
 pub(crate) fn commands(args: &CommandsArgs) -> Result<(), CliError> {
+    output::must_not_replace(&args.out, args.force)?;
     output::must_be_replaceable(&args.out)?;
     let reader = RunReader::open(&args.run)?;
     let (mut tasks, mut departures) = (Vec::new(), BTreeSet::new());

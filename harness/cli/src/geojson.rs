@@ -31,12 +31,12 @@ pub(crate) fn write(report: &Report, suite: Option<&Path>, path: &Path) -> Resul
         globe.ok_or_else(|| nowhere(&format!("is in {}, which has no known projection", place.crs)))?;
     let mut features = Vec::new();
     for run in runs {
-        let reader = RunReader::open(&run.dir).map_err(CliError::input)?;
+        let reader = RunReader::open(&run.dir)?;
         for row in &run.rows {
-            if !reader.has_trace(&row.task).map_err(CliError::input)? {
+            if !reader.has_trace(&row.task)? {
                 continue;
             }
-            let trace = reader.trace(&row.task).map_err(CliError::input)?;
+            let trace = reader.trace(&row.task)?;
             // A run at another scale has the world smaller than it is on the Earth.
             let at = |x: f64, y: f64| {
                 let [lon, lat] = globe

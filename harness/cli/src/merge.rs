@@ -35,7 +35,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
     }
     shards.sort();
     shards.dedup();
-    let first = RunReader::open(&shards[0]).map_err(CliError::input)?;
+    let first = RunReader::open(&shards[0])?;
     let suite = places::suite_of(first.header(), args.suite.as_deref())?;
     let merged = vb_runner::merge(&shards, &suite, &args.out)?;
     let summary = &merged.summary;

@@ -185,13 +185,13 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     Ok(())
 }
 
-/// Refuses to replace a file of an earlier call, unless the user wants it.
+/// Refuses to replace a file of an earlier call, unless the user wants it. A pipe or a device is not replaced.
 pub(crate) fn must_not_replace(file: &Path, force: ForceArgs) -> Result<(), CliError> {
-    if force.force || !file.exists() {
+    if force.force || !file.exists() || is_stream(file) {
         return Ok(());
     }
     Err(CliError::output(format!(
-        "{} already exists (choose another --out, or replace it with --force)",
+        "{} already exists (choose another place, or replace it with --force)",
         file.display()
     )))
 }
@@ -298,6 +298,21 @@ mod tests {
         let e = write(&dir.path().join("gone/a.csv"), "x").unwrap_err().to_string();
         assert!(e.contains("cannot write") && e.contains("gone/a.csv"), "{e}");
         assert!(must_be_writable(dir.path()).is_err() && must_be_replaceable(dir.path()).is_err());
+    }
+
+    #[test]
+    fn a_file_is_replaced_only_with_force() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.csv");
+        let [kept, forced] = [false, true].map(|force| ForceArgs { force });
+        must_not_replace(&path, kept).unwrap();
+        write(&path, "one").unwrap();
+        let e = must_not_replace(&path, kept).unwrap_err();
+        assert_eq!(e.code(), crate::error::OUTPUT);
+        assert!(e.to_string().contains("a.csv is there already") && e.to_string().contains("--force"), "{e}");
+        must_not_replace(&path, forced).unwrap();
+        #[cfg(unix)]
+        must_not_replace(Path::new("/dev/null"), kept).unwrap();
     }
 
     #[cfg(unix)]

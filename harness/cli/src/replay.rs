@@ -41,6 +41,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     let (own, drawn) = (args.out.iter().chain(&args.mcap), args.film.video.iter().chain(&args.film.png));
     let files: Vec<&Path> = own.clone().chain(drawn.clone()).map(PathBuf::as_path).collect();
     output::must_spare(&files, &args.runs)?;
+    files.iter().try_for_each(|path| output::must_not_replace(path, args.force))?;
     // What can't be written is said before anything is simulated or drawn.
     own.into_iter().try_for_each(|path| output::must_be_writable(path))?;
     drawn.into_iter().try_for_each(|path| output::must_be_replaceable(path))?;
@@ -285,7 +286,7 @@ impl Player {
         let world = match &self.world {
             Some(world) if world.id == task.world() => world.clone(),
             _ => {
-                let world = self.suite.load_world(task.world()).map_err(CliError::input)?;
+                let world = self.suite.load_world(task.world())?;
                 Arc::new(world.at_scale(scale))
             }
         };
@@ -295,13 +296,13 @@ impl Player {
         let mut runs = Vec::new();
         for part in &self.parts {
             let Some(record) = part.records.get(task) else { return Ok(None) };
-            if !part.reader.has_trace(task).map_err(CliError::input)? {
+            if !part.reader.has_trace(task)? {
                 return Err(CliError::input(ReplayError::NoTrace {
                     dir: part.reader.dir().to_owned(),
                     task: task.clone(),
                 }));
             }
-            let trace = part.reader.trace(task).map_err(CliError::input)?;
+            let trace = part.reader.trace(task)?;
             let repeated = part.soils.as_ref().zip(part.rules.as_ref()).and_then(|(soils, rules)| {
                 let start = vb_trial::start(rules.start, scale);
                 let header = &part.header;
@@ -329,7 +330,7 @@ impl Player {
                 vehicle: Arc::new(part.vehicle.spec().clone()),
                 motion,
                 sensed,
-                series: PlannerSeries::new(part.reader.debug(task).map_err(CliError::input)?),
+                series: PlannerSeries::new(part.reader.debug(task)?),
             });
         }
         let goal_radius = self.parts[0].rules.as_ref().map(|rules| rules.goal_radius(scale));
@@ -360,15 +361,13 @@ fn part(
         .ok();
     let spec: VehicleSpec = vehicle.spec;
     let vehicle = VehicleModel::new(spec).map_err(CliError::input)?;
-    let reader = RunReader::open(&r.dir).map_err(CliError::input)?;
+    let reader = RunReader::open(&r.dir)?;
     let mut records = BTreeMap::new();
-    reader
-        .each_record(|record: TaskRecord| {
-            if tasks.contains(&record.task) {
-                records.insert(record.task.clone(), record);
-            }
-        })
-        .map_err(CliError::input)?;
+    reader.each_record(|record: TaskRecord| {
+        if tasks.contains(&record.task) {
+            records.insert(record.task.clone(), record);
+        }
+    })?;
     Ok(Part {
         soils: soils.filter(|s| same_vehicle && s.hash == header.soils.hash),
         rules: Rules::recorded(&header).ok(),

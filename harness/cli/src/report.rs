@@ -92,6 +92,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     if let Some(page) = page.as_ref().filter(|_| !own) {
         output::must_not_replace(page, args.force)?;
     }
+    tables.clone().try_for_each(|path| output::must_not_replace(path, args.force))?;
     if let Some(dir) = &args.figures {
         output::must_be_empty(dir, args.force)?;
     }
@@ -227,7 +228,7 @@ impl Worlds {
     }
 
     fn load(&self, id: &str) -> Result<World, CliError> {
-        Ok(self.suite.load_world(id).map_err(CliError::input)?.at_scale(self.scale))
+        Ok(self.suite.load_world(id)?.at_scale(self.scale))
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
         Some(name) => Rules::resolve(name).map_err(CliError::input)?,
         None => own_rules(args)?,
     };
-    let result = rescore(&args.run, &rules).map_err(CliError::input)?;
+    let result = rescore(&args.run, &rules)?;
     match args.format.get() {
         MessageFormat::Json => {
             for record in &result.records {
@@ -44,7 +44,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
 
 /// The rules as recorded in run.json.
 fn own_rules(args: &ScoreArgs) -> Result<Rules, CliError> {
-    let run = RunReader::open(&args.run).map_err(CliError::input)?;
+    let run = RunReader::open(&args.run)?;
     Rules::recorded(run.header()).map_err(|e| {
         let file = args.run.join("run.json");
         CliError::input(format!("{}: rules.profile: {e} (give rules with --rules)", file.display()))

@@ -11,7 +11,7 @@ use vb_report::Runs;
 use vb_runner::RunError;
 use vb_score::Outcome;
 use vb_submission::{
-    Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
+    Check, Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
     ShippedVehicle, Submission, SubmissionError, Verification,
 };
 use vb_world::{Suite, TaskId};
@@ -48,7 +48,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     }
     let suite = match &args.run {
         Some(dir) => {
-            let reader = RunReader::open(dir).map_err(CliError::input)?;
+            let reader = RunReader::open(dir)?;
             places::suite_of(reader.header(), args.suite.as_deref())?
         }
         None => suite::open(args.suite.as_deref().unwrap_or(Path::new(vb_catalog::DEFAULT_SUITE)))?,
@@ -140,7 +140,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         Some(dir) => suite::open(dir)?,
         None => {
             let own = places::catalog().own_suite(plain("suite", &m.run.suite.name)?)?;
-            Suite::open(own).map_err(CliError::input)?
+            Suite::open(own)?
         }
     };
     let vehicle = match &args.vehicle {
@@ -219,17 +219,16 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
 
 /// A verdict for people, with the number of tasks that were to be drawn, if not all.
 fn told(verdict: &Verification, drawn: Option<u32>) -> String {
-    let mut by_check: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut by_check: BTreeMap<Check, usize> = BTreeMap::new();
     for f in &verdict.findings {
-        *by_check.entry(&f.check).or_default() += 1;
+        *by_check.entry(f.check).or_default() += 1;
     }
     let mut rows: Vec<Vec<String>> = verdict
         .checks
         .iter()
         .map(|check| {
-            let result =
-                by_check.get(check.as_str()).map_or_else(|| "good".to_owned(), |n| format!("{n} found"));
-            vec![check.clone(), result]
+            let result = by_check.get(check).map_or_else(|| "good".to_owned(), |n| format!("{n} found"));
+            vec![check.name().to_owned(), result]
         })
         .collect();
     if let (Some(sample), Some(row)) = (&verdict.sample, rows.last_mut()) {
@@ -264,7 +263,10 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
             plugin.display()
         )));
     }
-    args.out.as_deref().map(output::must_be_replaceable).transpose()?;
+    if let Some(out) = &args.out {
+        output::must_not_replace(out, args.force)?;
+        output::must_be_replaceable(out)?;
+    }
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
     let mut wanted = RunArgs::new(plugin);
     wanted.drive.suite = suite.dir().to_owned();
@@ -347,7 +349,7 @@ fn shipped() -> Result<Shipped, CliError> {
         ..Shipped::default()
     };
     for dir in places::catalog().suites()? {
-        let suite = Suite::open(&dir).map_err(CliError::input)?;
+        let suite = Suite::open(&dir)?;
         let (name, tasks) = (suite.meta().name.clone(), suite.task_count() as u64);
         shipped.suites.push(ShippedSuite { name, hash: suite.hash(), tasks });
     }

@@ -79,7 +79,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
             Elevation::Medium => args.relief[1],
             Elevation::High => args.relief[2],
         };
-        surfaces.push((suite.load_world(&info.id).map_err(CliError::input)?.heightfield, fraction));
+        surfaces.push((suite.load_world(&info.id)?.heightfield, fraction));
     }
     let rules = suite::rules::<GeneratorParams>(args.params.as_deref())?;
     let start = rules.elevation.shape.ok_or_else(|| {
@@ -116,6 +116,9 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
 pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     let kind = Kind::of(&args.out)
         .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
+    for path in [&args.out].into_iter().chain(&args.preview) {
+        output::must_not_replace(path, args.force)?;
+    }
     let model = model(args.model.as_deref())?;
     let level = Elevation::from(args.level);
     let request = Request {

@@ -147,11 +147,7 @@ impl Observer {
         match part.fill {
             Fill::State => {
                 let (v, w) = (p.linear_velocity, p.angular_velocity);
-                let gear = match self.gear {
-                    Gear::Reverse => -1.0,
-                    Gear::Neutral => 0.0,
-                    Gear::Forward => 1.0,
-                };
+                let gear = self.gear.direction();
                 let moving = [p.roll, p.pitch, v.x, v.y, v.z, w.x, w.y, w.z];
                 write(&mut moving.into_iter().chain([self.steering, self.engine_speed, gear]));
             }

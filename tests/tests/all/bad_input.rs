@@ -605,4 +605,9 @@ fn a_report_is_not_written_over_the_run_that_it_is_of() {
     refused(&bench, &["report", "r", "--csv", "t", "--parquet", "t"], USAGE, &["t: two outputs"]);
     assert_eq!(bench.files("r"), before);
     bench.ok(&["report", "r", "--csv", "r/table.csv", "--out", "r"]);
+    for option in ["--csv", "--parquet", "--markdown"] {
+        let says = ["r/table.csv is there already", "--force"];
+        refused(&bench, &["report", "r", option, "r/table.csv"], OUTPUT, &says);
+    }
+    bench.ok(&["report", "r", "--csv", "r/table.csv", "--force"]);
 }

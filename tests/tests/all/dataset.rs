@@ -185,6 +185,16 @@ fn failures_of_a_run_are_repeated_exactly_and_marked_where_nothing_may_be_learnt
     bench.ok(&["--plugin", pid, "--suite", "smoke", "--tasks", "w003,w009/t00-t03", "--out", "run"]);
     let e = bench.run(&["dataset", "failures", "run", "--out", "f"]).error(USAGE);
     assert!(e.contains("smoke") && e.contains("--of-a-suite"), "{e}");
+    // A suite of the harness that can't be read may have the worlds.
+    bench.write("tasks/broken/suite.yaml", "schema: 1\n");
+    let smoke = root().join("tasks/smoke");
+    let smoke = smoke.to_str().expect("paths of tests are text");
+    for more in [&[][..], &["--of-a-suite"]] {
+        let args = ["dataset", "failures", "run", "--suite", smoke, "--out", "unread"];
+        let mut command = bench.command(&[&args[..], more].concat());
+        let e = Done::of(command.env("VB_TASKS", bench.path("tasks"))).error(BAD_INPUT);
+        assert!(e.contains("broken") && !e.contains("--of-a-suite"), "{e}");
+    }
     bench.ok(&["dataset", "failures", "run", "--of-a-suite", "--out", "f"]);
     let failed = bench
         .records("run")
@@ -340,6 +350,11 @@ fn a_dataset_is_looked_at_and_its_examples_lead_to_replays() {
     assert!(e.contains("there is no episode 8 (the dataset has 8, from 0)"), "{e}");
     let e = bench.run(&["dataset", "show", "d", "--vehicle", "gator"]).error(BAD_INPUT);
     assert!(e.contains("the available vehicle gator differs from that of the dataset"), "{e}");
+    // A vehicle file that can't be read is no other vehicle.
+    bench.write("tasks/vehicles/hmmwv.yaml", "schema: 1\n");
+    let mut command = bench.command(&["dataset", "mcap", "d", "--out", "x"]);
+    let e = Done::of(command.env("VB_TASKS", bench.path("tasks"))).error(BAD_INPUT);
+    assert!(e.contains("hmmwv.yaml") && !e.contains("the available vehicle"), "{e}");
     let Some(mut browser) = Browser::start(1400, 900) else { return };
     browser.open(&bench.path("page/index.html"));
     // Every table counts each episode once.

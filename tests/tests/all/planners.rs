@@ -126,7 +126,7 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
         0.0 < n("p50_step") && n("p50_step") <= n("p99_step") && n("p99_step") <= n("max_step"),
         "{fuel}"
     );
-    assert_eq!(n("max_share"), n("max_step") / 1e6);
+    assert_eq!(n("max_fraction"), n("max_step") / 1e6);
     assert!(n("memory_bytes") > 0.0 && n("init") > 0.0, "{fuel}");
     assert_eq!(bench.json("r/summary.json")["all"]["fuel"], *fuel);
     for (content, words) in [

@@ -169,7 +169,11 @@ const PAGES: [Page; 2] = [
                 title: "Sweep",
                 about: "`sweep run`; [many machines](scale.md).",
                 root: "File",
-                sources: &["harness/run/runner/src/sweep", "harness/run/record/src"],
+                sources: &[
+                    "harness/run/runner/src/sweep",
+                    "harness/run/record/src",
+                    "harness/run/trial/src/defaults.rs",
+                ],
             },
             Format {
                 title: "run.json",

@@ -19,7 +19,7 @@ pub(super) struct Types<'a> {
     format: &'a Format,
     structs: BTreeMap<String, ItemStruct>,
     enums: BTreeMap<String, ItemEnum>,
-    /// Functions without arguments and `Default::default` of types: the expressions that they return.
+    /// Constants; functions without arguments and `Default::default` of types: the expressions that they return.
     values: BTreeMap<String, Expr>,
     /// Name, variant's data and comment of each tyre model.
     tyres: Vec<[String; 3]>,
@@ -90,6 +90,9 @@ impl<'a> Types<'a> {
             }
             Item::Enum(e) if is_read(&e.attrs) => {
                 self.enums.entry(e.ident.to_string()).or_insert(e);
+            }
+            Item::Const(c) => {
+                self.values.entry(c.ident.to_string()).or_insert(*c.expr);
             }
             Item::Fn(f) if f.sig.inputs.is_empty() => {
                 if let Some(value) = returned(&f.block) {
@@ -202,7 +205,7 @@ impl<'a> Types<'a> {
                 None => "required".to_owned(),
                 Some(function) if function.is_empty() => self.default_of(&field.ty),
                 Some(function) => match self.values.get(&function) {
-                    Some(value) => shown(value),
+                    Some(value) => shown(value, &self.values),
                     None => {
                         return Err(Failure::new(format!("{} has no function {function}", self.format.root)));
                     }
@@ -381,7 +384,7 @@ impl<'a> Types<'a> {
                 });
                 match (usual, self.values.get(name)) {
                     (Some(value), _) => format!("`{value}`"),
-                    (None, Some(value)) => shown(value),
+                    (None, Some(value)) => shown(value, &self.values),
                     (None, None) => "its defaults".to_owned(),
                 }
             }
@@ -494,8 +497,9 @@ fn plain(text: &str) -> String {
     out.replace("\\[", "[").replace("\\]", "]").replace('|', "\\|")
 }
 
-/// An expression as a value of a file.
-fn shown(value: &Expr) -> String {
+/// An expression as a value of a file, with the values of these constants.
+fn shown(value: &Expr, constants: &BTreeMap<String, Expr>) -> String {
+    let inner = |value: &Expr| shown(value, constants);
     let number = |text: String| text.strip_suffix(".0").map_or(text.clone(), str::to_owned);
     match value {
         Expr::Lit(syn::ExprLit { lit: Lit::Float(f), .. }) => number(f.base10_digits().to_owned()),
@@ -507,20 +511,24 @@ fn shown(value: &Expr) -> String {
         Expr::Path(path) if path.path.segments.last().is_some_and(|s| s.ident == "NEG_INFINITY") => {
             "−∞".to_owned()
         }
+        Expr::Path(path) => {
+            let constant = path.path.segments.last().and_then(|s| constants.get(&s.ident.to_string()));
+            constant.map_or_else(|| "its default".to_owned(), inner)
+        }
         // `"text".to_owned()`, `"text".into()`.
-        Expr::MethodCall(call) => shown(&call.receiver),
+        Expr::MethodCall(call) => inner(&call.receiver),
         Expr::Macro(list) if list.mac.path.is_ident("vec") => {
             let values = list
                 .mac
                 .parse_body_with(syn::punctuated::Punctuated::<Expr, syn::Token![,]>::parse_terminated);
-            let values = values.map(|v| v.iter().map(shown).collect::<Vec<_>>().join(", "));
+            let values = values.map(|v| v.iter().map(inner).collect::<Vec<_>>().join(", "));
             values.map_or_else(|_| "its default".to_owned(), |v| format!("[{v}]"))
         }
-        Expr::Array(array) => format!("[{}]", array.elems.iter().map(shown).collect::<Vec<_>>().join(", ")),
+        Expr::Array(array) => format!("[{}]", array.elems.iter().map(inner).collect::<Vec<_>>().join(", ")),
         Expr::Struct(s) => {
             let field = |f: &syn::FieldValue| match &f.member {
-                syn::Member::Named(name) => format!("`{name}: {}`", shown(&f.expr)),
-                syn::Member::Unnamed(_) => shown(&f.expr),
+                syn::Member::Named(name) => format!("`{name}: {}`", inner(&f.expr)),
+                syn::Member::Unnamed(_) => inner(&f.expr),
             };
             s.fields.iter().map(field).collect::<Vec<_>>().join(", ")
         }
@@ -556,11 +564,13 @@ mod tests {
             plain("see [`VehicleSpec::with_tyre`], [`tyres`](Self::tyres) and \\[0, 1\\]; |e|"),
             "see `with_tyre`, `tyres` and [0, 1]; \\|e\\|"
         );
-        let value = |text: &str| shown(&syn::parse_str::<Expr>(text).unwrap());
+        let constants = BTreeMap::from([("RULES".to_owned(), syn::parse_str::<Expr>("\"paper\"").unwrap())]);
+        let value = |text: &str| shown(&syn::parse_str::<Expr>(text).unwrap(), &constants);
         assert_eq!(
             [value("1.0"), value("[0.0, 0.5]"), value("Self { speed: 0.5, latency: 2.0 }")],
             ["1", "[0, 0.5]", "`speed: 0.5`, `latency: 2`"]
         );
+        assert_eq!([value("vec![a::RULES.to_owned()]"), value("OTHER")], ["[`paper`]", "its default"]);
         assert_eq!([title("DoubleWishbone"), title("VehicleSpec")], ["Double wishbone", "Vehicle"]);
     }
 }

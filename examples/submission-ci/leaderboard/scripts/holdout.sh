@@ -11,4 +11,4 @@ trap 'rm -rf "$work"' EXIT
 # The output of the generator would reveal the suite.
 "$harness" suite generate --seed "$VB_HOLDOUT_SEED" --worlds "${VB_HOLDOUT_WORLDS:-100}" --name holdout \
     --out "$work/holdout" >/dev/null 2>&1 || { echo "the hidden suite could not be made" >&2; exit 1; }
-"$harness" evaluate "plugins/$name.wasm" --suite "$work/holdout" --out "accepted/$name/holdout.json"
+"$harness" evaluate "plugins/$name.wasm" --suite "$work/holdout" --out "accepted/$name/holdout.json" --force

@@ -20,7 +20,7 @@ enum Message<'a> {
 pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
     let mut suites = Vec::new();
     for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
-        suites.push(Suite::open(dir).map_err(CliError::input)?);
+        suites.push(Suite::open(dir)?);
     }
     let findings = vb_dataset::validate(&args.dataset, &suites)?.0;
     match args.format.get() {

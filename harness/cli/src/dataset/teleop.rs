@@ -15,7 +15,7 @@ use vb_world::TaskId;
 
 use super::finish;
 use super::scene::Scene;
-use crate::args::{JobsArgs, TeleopArgs};
+use crate::args::{JobsArgs, RULES, TeleopArgs};
 use crate::error::CliError;
 use crate::{output, replay, run, suite};
 
@@ -30,7 +30,7 @@ enum Message<'a> {
 }
 
 pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
-    let rules = Rules::resolve("paper").map_err(CliError::internal)?;
+    let rules = Rules::resolve(RULES).map_err(CliError::internal)?;
     let scene = Scene::new(&args.scene, rules)?;
     let tasks = suite::select(&scene.worlds, args.tasks.as_deref())?;
     let layout = scene.layout(false, true);
@@ -90,7 +90,7 @@ impl Seat<'_> {
     /// Sends the page a task's world and vehicle.
     fn show(&self, task: &TaskId, driving: bool) -> Result<(), CliError> {
         let setting = &self.scene.setting;
-        let world = self.scene.worlds.load_world(task.world()).map_err(CliError::input)?;
+        let world = self.scene.worlds.load_world(task.world())?;
         let world = Arc::new(world.at_scale(setting.scale));
         let Some(found) = world.task(task.task()) else { return Ok(()) };
         let radius = setting.rules.goal_radius(setting.scale);

@@ -90,7 +90,7 @@ fn write(dir: &Path, files: &[File]) -> Result<(), CliError> {
         let path = dir.join(file.path);
         let folder = path.parent().unwrap_or(dir);
         std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
-        std::fs::write(&path, &file.content).map_err(|e| failed(&path, e))?;
+        vb_files::write(&path, &file.content).map_err(|e| failed(&path, e))?;
         if file.executable {
             make_executable(&path).map_err(|e| failed(&path, e))?;
         }

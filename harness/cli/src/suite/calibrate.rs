@@ -192,8 +192,8 @@ fn evaluate(
         generator.write_some(folder.dir(), generator.meta(&name, "1"), &indices, |_, _| {})?;
         folder.finish(super::INDEX).map_err(CliError::output)?;
     }
-    let suite = Suite::open(&dir).map_err(CliError::input)?;
-    let facets = SuiteStatistics::of(&suite).map_err(CliError::input)?;
+    let suite = Suite::open(&dir)?;
+    let facets = SuiteStatistics::of(&suite)?;
     let facet_slope_p99 = facets.relief.first().map_or(0.0, |r| r.roughness.facets.p99);
     let out = args.drawn.out.join("runs").join(format!("{name}-{}", &key[..8]));
     let mut drive = RunArgs::new(plugin(args)?);
@@ -210,8 +210,7 @@ fn evaluate(
     if report.interrupted {
         return Err(CliError::interrupted("stopped; continue with the same command and --resume"));
     }
-    let records =
-        RunReader::open(&out).and_then(|run| run.records::<TaskRecord>()).map_err(CliError::input)?;
+    let records = RunReader::open(&out).and_then(|run| run.records::<TaskRecord>())?;
     let count = |is: &dyn Fn(&TaskRecord) -> bool| records.iter().filter(|r| is(r)).count();
     Ok(Trial {
         level,

@@ -115,7 +115,7 @@ fn make(out: &Path, write: impl FnOnce(&Path) -> Result<Suite, CliError>) -> Res
     let folder = NewFolder::new(out).map_err(CliError::output)?;
     write(&folder.dir())?;
     folder.finish(INDEX).map_err(CliError::output)?;
-    done(&Suite::open(out).map_err(CliError::input)?);
+    done(&Suite::open(out)?);
     Ok(())
 }
 
@@ -162,7 +162,7 @@ fn granular(args: &GenerateArgs) -> Result<(), CliError> {
     keep_apart(drawn.seed, args.training)?;
     let params = rules::<GranularParams>(args.params.as_deref())?;
     let suite = GranularSuite::new(&params, args.params.as_deref(), drawn.seed).map_err(CliError::input)?;
-    let worlds = suite.worlds().map_err(CliError::input)?;
+    let worlds = suite.worlds()?;
     write(&drawn.out, suite.meta(&name(drawn), &drawn.suite_version), worlds.into_iter().map(Ok))
 }
 
@@ -205,7 +205,7 @@ pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
     let suite = open(&args.suite)?;
     let mut rows = Vec::new();
     for task in select(&suite, args.tasks.as_deref())? {
-        let world = suite.world_info(task.world()).map_err(CliError::input)?;
+        let world = suite.world_info(task.world())?;
         match args.format.get() {
             MessageFormat::Json => output::json(&TaskMessage {
                 event: "task",

@@ -25,7 +25,7 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
     let hash = suite.hash();
     let mut proof: Option<Proof> = None;
     for dir in &args.runs {
-        let run = RunReader::open(dir).map_err(CliError::input)?;
+        let run = RunReader::open(dir)?;
         let header = run.header();
         let wrong =
             |problem: String| CliError::input(format!("{}: {problem}", dir.join("run.json").display()));
@@ -44,7 +44,7 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
                     .into(),
             ));
         }
-        let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
+        let records: Vec<TaskRecord> = run.records()?;
         let done = records.into_iter().filter(|r| r.outcome == Outcome::Success);
         let proven = proof.add(prover(header), done.map(|r| (r.task, r.time_s, r.state_hash)));
         if args.format.is_json() {

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
     // What is done takes no time.
     let mut left = Vec::new();
     for part in parts {
-        let state = sweep.layout.state_of(&part.dir).map_err(CliError::input)?;
+        let state = sweep.layout.state_of(&part.dir)?;
         if state.failed == 0 && state.tasks() == part.tasks {
             progress.done_before(part.tasks);
         } else {

@@ -33,7 +33,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
     let mut rows = vec![["run", "done", "success", ""].map(str::to_owned).to_vec()];
     let (mut runs_done, mut tasks_done) = (0, 0);
     for planned in sweep.spec.runs() {
-        let state = sweep.layout.state(&planned.name).map_err(CliError::input)?;
+        let state = sweep.layout.state(&planned.name)?;
         let done = state.tasks();
         runs_done += usize::from(done == tasks);
         tasks_done += done;

@@ -110,7 +110,6 @@ impl DatasetError {
 
     /// A damaged file; the detail becomes one line.
     pub(crate) fn damaged(path: &Path, detail: &str) -> Self {
-        let detail = detail.split_whitespace().collect::<Vec<_>>().join(" ");
-        Self::Damaged { path: path.to_owned(), detail }
+        Self::Damaged { path: path.to_owned(), detail: vb_files::one_line(detail) }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vb_record::{DataHeader, TIME_STEPS};
+use vb_record::{DataHeader, TIME_STEPS, differences};
 use vb_vehicle::SCALES;
 
 use crate::explore::Exploration;
@@ -160,18 +160,55 @@ impl Header {
             .or_else(|| real("time_step", self.time_step, &TIME_STEPS))
     }
 
-    /// The first field in which another header differs: its name, and both values.
+    /// The first field (dotted path) in which another header differs, with both values as text; `None` if there is no such field.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
-        let (a, b) = (serde_json::to_value(self).ok()?, serde_json::to_value(other).ok()?);
-        let (a, b) = (a.as_object()?, b.as_object()?);
-        let names = a.keys().chain(b.keys());
+        let found = differences(self, other, usize::MAX);
         // Where the harness, a file or an option differs, the command may differ too; they say more.
-        let named = names.clone().filter(|n| *n != "command").chain(names.filter(|n| *n == "command"));
-        let show = |v: Option<&Value>| v.map_or_else(|| "absent".to_owned(), Value::to_string);
-        named
-            .into_iter()
-            .find(|n| a.get(*n) != b.get(*n))
-            .map(|n| (n.clone(), show(a.get(n)), show(b.get(n))))
+        let first = found.into_iter().min_by_key(|d| d.path.split('.').next() == Some("command"))?;
+        Some((first.path, first.a, first.b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn header(crops: usize, command: &str) -> Header {
+        let file = json!({"name": "n", "hash": "aa"});
+        let header = json!({
+            "schema": DATASET_SCHEMA,
+            "name": "d",
+            "kind": "explore",
+            "licence": LICENCE,
+            "harness_version": "1.0.0",
+            "harness_commit": "unknown",
+            "command": ["dataset", command],
+            "seed": 0,
+            "hz": 10,
+            "layout": {"wheels": 4, "speed": false, "goal": false, "truth": true, "crops": crops},
+            "vehicle": file,
+            "soils": file,
+            "rules": file,
+            "perception": file,
+            "scale": 1.0,
+            "time_step": 0.001,
+            "worlds": file,
+        });
+        serde_json::from_value(header).unwrap()
+    }
+
+    #[test]
+    fn the_difference_is_the_innermost_field_and_the_command_comes_last() {
+        let difference = |a: &Header, b: &Header| {
+            a.difference(b).map(|(field, before, now)| format!("{field}: {before}, {now}"))
+        };
+        let first = header(0, "explore");
+        assert_eq!(difference(&first, &first), None);
+        assert_eq!(difference(&first, &header(8, "drive")).unwrap(), "layout.crops: 0, 8");
+        assert_eq!(difference(&first, &header(0, "drive")).unwrap(), "command.1: \"explore\", \"drive\"");
+        let optioned = Header { options: BTreeMap::from([("jobs".to_owned(), json!(1))]), ..first.clone() };
+        assert_eq!(difference(&first, &optioned).unwrap(), "options.jobs: nothing, 1");
     }
 }

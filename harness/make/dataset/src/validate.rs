@@ -26,7 +26,7 @@ impl Findings {
 
     fn add(&mut self, text: String) {
         if self.0.len() < FINDINGS {
-            self.0.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
+            self.0.push(vb_files::one_line(&text));
         }
     }
 }

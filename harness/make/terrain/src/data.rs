@@ -191,8 +191,7 @@ impl Data {
 }
 
 fn folder(path: &Path, problem: impl std::fmt::Display) -> DataError {
-    let problem = problem.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    DataError::Folder { path: path.to_owned(), problem }
+    DataError::Folder { path: path.to_owned(), problem: vb_files::one_line(&problem.to_string()) }
 }
 
 fn read_selection(dir: &Path, given: Option<&Path>, hash: &mut Hash) -> Result<Option<Selection>, DataError> {

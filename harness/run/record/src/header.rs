@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LogMode, TraceMode, differences, planner_with_params, suite_with_selection};
+use crate::{LogMode, PluginKind, TraceMode, differences, planner_with_params, suite_with_selection};
 
 /// The version of the layout of a run directory, raised with every change that other readers can't read.
 pub const RUN_SCHEMA: u32 = 3;
@@ -32,8 +32,8 @@ pub struct PluginHeader {
     pub version: String,
     /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// The kind of the plugin: `wasm`, `native`, `command`, `ros` or `recording`.
-    pub kind: String,
+    /// The kind of the planner.
+    pub kind: PluginKind,
     /// The path of the file; for a command, the command itself.
     pub path: String,
     /// Whether the planner is a file that decides from observations and that others can run, too: `wasm` and `native`.

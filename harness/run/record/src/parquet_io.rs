@@ -104,7 +104,7 @@ pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
 /// An error about the content of the file, with what to do about it.
 pub(crate) fn damaged_as(path: &Path, detail: impl ToString, hint: &'static str) -> StoreError {
     // Parquet's own messages may span lines; ours never do.
-    let detail = detail.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let detail = vb_files::one_line(&detail.to_string());
     StoreError::Damaged { path: path.to_owned(), detail, hint }
 }
 

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunJoiner, RunReader,
-    RunStore, Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode,
-    TraceRecorder,
+    DataHeader, DebugSeries, LogMode, PluginHeader, PluginKind, RUN_SCHEMA, RulesHeader, RunHeader,
+    RunJoiner, RunReader, RunStore, Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace,
+    TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_world::TaskId;
 
@@ -45,7 +45,7 @@ fn header() -> RunHeader {
             name: "pid".into(),
             version: "1.0.0".into(),
             sha256: "bb".into(),
-            kind: "wasm".into(),
+            kind: PluginKind::Wasm,
             path: "pid.wasm".into(),
             control_period: 0.1,
             eligible_for_ranking: true,

@@ -82,7 +82,6 @@ pub enum OptionsError {
     /// No interface has the address.
     #[error("interface {address}: no network interface of this machine has this address ({source})")]
     Interface {
-        /// The address.
         address: IpAddr,
         /// The message of the operating system.
         source: std::io::Error,

@@ -65,7 +65,6 @@ pub enum MergeError {
         .paths[0].display(), .paths[1].display()
     )]
     Conflict {
-        /// The task.
         task: TaskId,
         /// The runs.
         paths: [PathBuf; 2],
@@ -73,7 +72,6 @@ pub enum MergeError {
     /// A shard has a task that is none of the run's.
     #[error("{}: tasks.jsonl has {task}, which is not a task of the run (delete its line)", .path.display())]
     Foreign {
-        /// The task.
         task: TaskId,
         /// The run.
         path: PathBuf,

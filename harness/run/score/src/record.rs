@@ -25,11 +25,11 @@ measures! {
         /// Maximum fuel per step.
         pub max_step: u64,
         /// `init` as a fraction of its limit.
-        pub init_share: f64,
+        pub init_fraction: f64,
         /// `p99_step` as a fraction of the limit of a step.
-        pub p99_share: f64,
+        pub p99_fraction: f64,
         /// `max_step` as a fraction of the limit of a step.
-        pub max_share: f64,
+        pub max_fraction: f64,
         /// Maximum linear memory, bytes.
         pub memory_bytes: u64,
     }
@@ -62,9 +62,9 @@ impl FuelUse {
             p50_step: self.p50_step.max(other.p50_step),
             p99_step: self.p99_step.max(other.p99_step),
             max_step: self.max_step.max(other.max_step),
-            init_share: self.init_share.max(other.init_share),
-            p99_share: self.p99_share.max(other.p99_share),
-            max_share: self.max_share.max(other.max_share),
+            init_fraction: self.init_fraction.max(other.init_fraction),
+            p99_fraction: self.p99_fraction.max(other.p99_fraction),
+            max_fraction: self.max_fraction.max(other.max_fraction),
             memory_bytes: self.memory_bytes.max(other.memory_bytes),
         };
     }
@@ -86,9 +86,9 @@ impl FuelUse {
             p50_step: percentile(50),
             p99_step,
             max_step,
-            init_share: fraction(init, init_limit),
-            p99_share: fraction(p99_step, step_limit),
-            max_share: fraction(max_step, step_limit),
+            init_fraction: fraction(init, init_limit),
+            p99_fraction: fraction(p99_step, step_limit),
+            max_fraction: fraction(max_step, step_limit),
             memory_bytes,
         }
     }
@@ -217,12 +217,24 @@ mod tests {
         let used = FuelUse::new(1000, steps, 4000, 400, 65536);
         assert_eq!((used.p50_step, used.p99_step, used.max_step), (100, 198, 200));
         assert_eq!(
-            (used.total, used.init_share, used.p99_share, used.max_share),
+            (used.total, used.init_fraction, used.p99_fraction, used.max_fraction),
             (1000 + 20_100, 0.25, 0.495, 0.5)
         );
         let none = FuelUse::new(7, Vec::new(), 4000, 400, 0);
         assert_eq!((none.total, none.p50_step, none.max_step), (7, 0, 0));
         assert_eq!(FuelUse::new(0, vec![5], 1, 1, 0).p50_step, 5);
+    }
+
+    #[test]
+    fn names_of_the_release_candidate_are_read_and_those_of_fractions_are_written() {
+        let used = FuelUse::new(1000, vec![200], 4000, 400, 65536);
+        let text = serde_json::to_string(&used).unwrap();
+        assert!(text.contains(r#""init_fraction":0.25,"p99_fraction":0.5,"max_fraction":0.5"#), "{text}");
+        let old = text.replace("_fraction", "_share");
+        assert_eq!(serde_json::from_str::<FuelUse>(&old).unwrap(), used);
+        // More than the limit is no use of a planner: the host ends it.
+        let beyond = FuelUse { max_fraction: 1.5, ..used };
+        assert_eq!(beyond.flaw().unwrap(), "max_fraction: 1.5 must lie in 0 to 1");
     }
 
     /// Whatever number a stranger writes, it is one that a trial can have, or the record is none.

@@ -84,10 +84,10 @@ impl Summary {
                 "maximum fuel: {} units for init ({:.3} % of the limit) and {} per step ({:.3} %; 99th percentile: {:.3} %); {:.1} \
                  MiB of memory",
                 used.init,
-                percent(used.init_share),
+                percent(used.init_fraction),
                 used.max_step,
-                percent(used.max_share),
-                percent(used.p99_share),
+                percent(used.max_fraction),
+                percent(used.p99_fraction),
                 used.memory_bytes as f64 / f64::from(1 << 20)
             );
         }

@@ -332,7 +332,7 @@ impl Runs {
 pub(crate) fn settings(h: &RunHeader) -> BTreeMap<String, String> {
     let mut s: BTreeMap<String, String> = h.params.clone();
     s.insert("version".into(), h.plugin.version.clone());
-    s.insert("kind".into(), h.plugin.kind.clone());
+    s.insert("kind".into(), h.plugin.kind.to_string());
     s.extend(environment(h).into_iter().map(|(k, v)| (k.to_owned(), v)));
     s
 }

@@ -385,7 +385,6 @@ fn no_text_of_a_planner_becomes_markup() {
     hostile.params = BTreeMap::from([(HOSTILE.into(), HOSTILE.into())]);
     hostile.suite.name = HOSTILE.into();
     hostile.started_at = HOSTILE.into();
-    hostile.plugin.kind = HOSTILE.into();
     hostile.vehicle.name = HOSTILE.into();
     hostile.rules.name = HOSTILE.into();
     hostile.soils.name = HOSTILE.into();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use vb_host::{Limits, PluginKind};
-use vb_record::RunHeader;
+use vb_host::Limits;
+use vb_record::{PluginKind, RunHeader};
 use vb_score::Rules;
 use vb_sense::Profile;
 use vb_sense::profile::ORACLE;
@@ -108,7 +108,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     };
     let short = |hash: &str| vb_report::one_line(hash.get(..12).unwrap_or(hash), 12);
     unless(
-        run.plugin.kind == PluginKind::Wasm.name(),
+        run.plugin.kind == PluginKind::Wasm,
         "plugin.kind",
         format!("{}: only WASM is metered and bit-identical on all machines", run.plugin.kind),
     );

@@ -21,7 +21,7 @@ mod vector;
 mod wheel;
 
 use vb_sdk::mppi::{LANES, Lanes, Model};
-use vb_sdk::{Gear, HeightMap, LabelMap, Observation, PlannerError, Vehicle};
+use vb_sdk::{HeightMap, LabelMap, Observation, PlannerError, Vehicle};
 use wide::f32x8;
 
 use body::Push;
@@ -143,11 +143,7 @@ impl Twin {
                 .max(all(drive::IDLE))
                 .min(all(drive::GOVERNED[1])),
             integral: one(integral),
-            gear: all(match o.gear {
-                Gear::Forward => 1.0,
-                Gear::Neutral => 0.0,
-                Gear::Reverse => -1.0,
-            }),
+            gear: one(o.gear.direction()),
             x: [0.0; LANES],
             y: [0.0; LANES],
             cos: [0.0; LANES],

@@ -30,9 +30,9 @@ const TEXT: usize = 4096;
 
 /// Our own fields of an episode, as a flat table: text, numbers, or lists of numbers.
 fn own(info: &EpisodeInfo) -> Map<String, Value> {
-    match serde_json::to_value(info) {
-        Ok(Value::Object(map)) => map,
-        _ => Map::new(),
+    match serde_json::to_value(info).expect("an episode has text keys and can be written as JSON") {
+        Value::Object(map) => map,
+        other => unreachable!("an episode is an object as JSON, not {other}"),
     }
 }
 

@@ -240,14 +240,18 @@ fn whole(suite: &Suite, findings: &mut Findings<'_>) {
         let text = format!("{}: worlds: is empty: add worlds", index.display());
         findings.say(Severity::Warning, Rule::Content, text);
     }
-    if let Some(released) = released::hash_of(suite).filter(|released| *released != suite.hash()) {
-        let SuiteMeta { name, version, .. } = suite.meta();
-        let text = format!(
-            "{}: version: {name} {version} was released with the hash {released}, not {}: give the changed suite another version or name",
-            index.display(),
-            suite.hash()
-        );
-        findings.say(Severity::Error, Rule::Content, text);
+    match released::hash_of(suite.meta()) {
+        Ok(Some(released)) if released != suite.hash() => {
+            let SuiteMeta { name, version, .. } = suite.meta();
+            let text = format!(
+                "{}: version: {name} {version} was released with the hash {released}, not {}: give the changed suite another version or name",
+                index.display(),
+                suite.hash()
+            );
+            findings.say(Severity::Error, Rule::Content, text);
+        }
+        Ok(_) => {}
+        Err(problem) => findings.say(Severity::Error, Rule::Content, vb_files::one_line(&problem)),
     }
     for folder in folders(&suite.dir().join("worlds")) {
         if suite.worlds().iter().all(|w| w.id != folder) {

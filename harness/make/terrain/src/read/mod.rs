@@ -183,5 +183,5 @@ fn check_size(rows: u64, cols: u64) -> Result<(), Flaw> {
 
 /// One line of a library's error.
 fn line(e: &dyn std::fmt::Display) -> String {
-    e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    vb_files::one_line(&e.to_string())
 }

@@ -44,11 +44,9 @@ pub struct Kit<'a> {
     pub suite: &'a Suite,
     /// The tasks of the suite, at least one; the first three are driven.
     pub tasks: &'a [TaskId],
-    /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// The soils of deformable ground.
     pub soils: &'a Soils,
-    /// The rules.
     pub rules: &'a Rules,
 }
 

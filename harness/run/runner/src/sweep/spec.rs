@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_record::TraceMode;
+use vb_trial::defaults::{PERCEPTION, RULES, VEHICLE};
 
 use crate::sweep::name::safe;
 
@@ -57,16 +58,16 @@ struct File {
     /// The selector of tasks; all if absent.
     tasks: Option<String>,
     /// The rule profile, as `--rules` takes it.
-    #[serde(default = "paper")]
+    #[serde(default = "rules")]
     rules: String,
     #[serde(default)]
     trace: TraceMode,
     /// The planners.
     planners: Vec<Planner>,
-    #[serde(default = "hmmwv")]
+    #[serde(default = "vehicles")]
     /// The vehicles, as `--vehicle` takes them.
     vehicles: Vec<String>,
-    #[serde(default = "oracle")]
+    #[serde(default = "perceptions")]
     /// The perception profiles, as `--perception` takes them.
     perceptions: Vec<String>,
     /// The seeds.
@@ -115,16 +116,16 @@ impl Value {
     }
 }
 
-fn paper() -> String {
-    "paper".to_owned()
+fn rules() -> String {
+    RULES.to_owned()
 }
 
-fn hmmwv() -> Vec<String> {
-    vec!["hmmwv".to_owned()]
+fn vehicles() -> Vec<String> {
+    vec![VEHICLE.to_owned()]
 }
 
-fn oracle() -> Vec<String> {
-    vec!["oracle".to_owned()]
+fn perceptions() -> Vec<String> {
+    vec![PERCEPTION.to_owned()]
 }
 
 fn zero() -> Vec<u64> {

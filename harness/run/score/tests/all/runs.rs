@@ -9,8 +9,8 @@ use std::path::Path;
 use vb_math::rng::Stream;
 use vb_math::sin;
 use vb_record::{
-    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
-    TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
+    DataHeader, LogMode, PluginHeader, PluginKind, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample,
+    SuiteHeader, TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
     Conditions, Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry,
@@ -33,7 +33,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             name: "pid".into(),
             version: "1.0.0".into(),
             sha256: "bb".into(),
-            kind: "wasm".into(),
+            kind: PluginKind::Wasm,
             path: "pid.wasm".into(),
             control_period: 0.1,
             eligible_for_ranking: true,

@@ -114,7 +114,7 @@ pub(super) fn overview(s: &mut String, report: &Report) {
             s,
             "</dl><p class=\"sub\">{}, {}; {}; vehicle {}, rules {}{}</p></article>",
             escape(&crate::runs::one_line(&h.planner(), 240)),
-            escape(&h.plugin.kind),
+            h.plugin.kind,
             escape(&crate::runs::one_line(&h.scope(), 240)),
             escape(&h.vehicle.name),
             escape(&h.rules.name),
@@ -343,7 +343,7 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
             {
                 let _ = write!(s, "<td class=\"n\" data-v=\"{v}\">{}</td>", grouped(v));
             }
-            let fraction = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
+            let fraction = used.iter().map(|f| f.max_fraction).fold(0.0, f64::max);
             let memory = most(|f| f.memory_bytes) as f64 / f64::from(1 << 20);
             let _ = write!(
                 s,
@@ -386,7 +386,7 @@ pub(super) fn about(s: &mut String, report: &Report) {
             text(&run.dir.display().to_string()),
             text(&h.scope()),
             text(&h.planner()),
-            text(&h.plugin.kind),
+            h.plugin.kind,
             escape(&h.plugin.sha256),
             short(&h.plugin.sha256),
             text(&h.vehicle.name),

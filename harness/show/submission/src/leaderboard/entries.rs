@@ -80,7 +80,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     let levels =
         by_elevation.iter().filter_map(|(name, f)| Some((*name, f.mean(Measure::Success)?.mean))).collect();
     let used = runs.runs[0].counted().filter_map(|row| row.fuel);
-    let fuel = used.map(|f| f.max_share).reduce(f64::max);
+    let fuel = used.map(|f| f.max_fraction).reduce(f64::max);
     let worlds = runs.worlds.iter().cloned().zip(figures.worlds.iter().copied()).collect();
     let figures = figures.all;
     let holdout = match dir.join(HOLDOUT) {
