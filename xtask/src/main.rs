@@ -212,7 +212,7 @@ fn build_harness() -> Result<(), Failure> {
     cargo(&["build", "--release", "--package", "vb-harness"])
 }
 
-/// Builds the harness without the commands that a first run needs not, which takes a quarter fewer crates; none of it where all of it is
+/// Builds the harness without the commands that a first run needs not, which takes two fifths fewer crates; none of it where all of it is
 /// there.
 fn build_small_harness() -> Result<(), Failure> {
     step("building the harness");

@@ -15,6 +15,7 @@ use vb_submission::SubmissionError;
 use vb_suite::generate::GenerateError;
 use vb_suite::proof::ProofError;
 use vb_trial::TrialError;
+#[cfg(feature = "vehicle")]
 use vb_validate::ValidateError;
 use vb_world::SuiteError;
 
@@ -244,6 +245,7 @@ impl From<FilmError> for CliError {
     }
 }
 
+#[cfg(feature = "vehicle")]
 impl From<ValidateError> for CliError {
     fn from(e: ValidateError) -> Self {
         match e {

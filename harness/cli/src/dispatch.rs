@@ -40,6 +40,7 @@ impl Command {
             Self::Plugin(command) => command.run(),
             Self::Suite(command) => command.run(),
             Self::Tasks(command) => command.run(),
+            #[cfg(feature = "vehicle")]
             Self::Vehicle(command) => command.run(),
             #[cfg(feature = "terrain")]
             Self::Terrain(command) => command.run(),

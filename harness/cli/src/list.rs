@@ -15,7 +15,7 @@ use vb_world::Suite;
 
 use crate::args::{ListArgs, Listed};
 use crate::error::CliError;
-use crate::{output, places, vehicle};
+use crate::{output, places};
 
 /// The endings of planners' files.
 pub(crate) const PLANNERS: [&str; 4] = ["wasm", "so", "dylib", "dll"];
@@ -101,14 +101,25 @@ fn vehicle(name: String, file: &Path) -> Result<Entry, CatalogError> {
     let v = VehicleSpec::load(file)?;
     let (wheels, mass) = (2 * v.axles.len(), v.total_mass());
     let mut entry = Entry::new("vehicle", name, &v.description);
-    let mass_shown = format!("{} kg", vb_validate::number(mass));
-    entry.columns =
-        vec![format!("{wheels} wheels"), format!("scale {}", vehicle::scale(v.scale)), mass_shown];
+    let mass_shown = format!("{} kg", vb_page::rounded(mass));
+    entry.columns = vec![format!("{wheels} wheels"), format!("scale {}", scale(v.scale)), mass_shown];
     entry.fields = fields(json!({
         "scale": v.scale, "wheels": wheels, "mass_kg": mass, "length_m": v.length, "width_m": v.width,
         "height_m": v.height, "max_speed_m_per_s": v.max_speed,
     }));
     Ok(entry)
+}
+
+/// A scale as people write it.
+pub(crate) fn scale(value: f64) -> String {
+    let inverse = 1.0 / value;
+    if value == 1.0 {
+        "1".to_owned()
+    } else if value < 1.0 && (inverse - inverse.round()).abs() < 1e-9 {
+        format!("1/{inverse:.0}")
+    } else {
+        vb_page::rounded(value)
+    }
 }
 
 fn soils(name: String, file: &Path) -> Result<Entry, CatalogError> {

@@ -34,6 +34,7 @@ mod suite;
 mod sweep;
 #[cfg(feature = "terrain")]
 mod terrain;
+#[cfg(feature = "vehicle")]
 mod vehicle;
 
 use std::io::Write as _;
@@ -147,9 +148,10 @@ fn meant(text: &str, given: &[String]) -> Option<String> {
     let left_out = |name: &str| match name {
         "dataset" if cfg!(not(feature = "dataset")) => Some("dataset"),
         "replay" if cfg!(not(feature = "replay")) => Some("replay"),
-        "bag" | "ros" if cfg!(not(feature = "ros")) => Some("ros"),
+        "ros" if cfg!(not(feature = "ros")) => Some("ros"),
         "teleop" if cfg!(not(feature = "teleop")) => Some("teleop"),
         "import" | "site" | "terrain" if cfg!(not(feature = "terrain")) => Some("terrain"),
+        "vehicle" if cfg!(not(feature = "vehicle")) => Some("vehicle"),
         _ => None,
     };
     if let Some(feature) = unknown("unrecognized subcommand '").and_then(left_out) {

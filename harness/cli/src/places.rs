@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use vb_catalog::{Catalog, planner_dirs};
 use vb_record::RunHeader;
+use vb_vehicle::VehicleSpec;
 use vb_world::Suite;
 
 use crate::error::CliError;
@@ -17,6 +18,13 @@ pub(crate) fn catalog() -> Catalog {
         hash: env!("VB_TASKS_HASH"),
     });
     found
+}
+
+/// The vehicle that the user means, and its file.
+pub(crate) fn vehicle(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
+    let path = catalog().data(vb_catalog::Data::Vehicle, wanted)?;
+    let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
+    Ok((path, spec))
 }
 
 /// The suite of a run: where the user says, where it was, or the one of its name that comes with the harness.

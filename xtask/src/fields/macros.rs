@@ -38,6 +38,11 @@ impl Parse for Variants {
                 // A module and a variant without data.
                 name = input.parse()?;
                 parse_quote!(#name)
+            } else if input.peek(Token![:]) {
+                // A module and a variant of the data of this name.
+                input.parse::<Token![:]>()?;
+                name = input.parse()?;
+                parse_quote!(#name(#name))
             } else if input.peek(Token![=]) {
                 input.parse::<Token![=]>()?;
                 let own: LitStr = input.parse()?;

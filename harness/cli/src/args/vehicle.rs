@@ -24,7 +24,6 @@ pub(crate) enum VehicleCommand {
     /// Replay recorded wheel speeds of a skid-steered vehicle, and compare its motion with the recording
     Compare(VehicleCompareArgs),
     /// Convert a bag of ROS 2 (odometry, wheel speeds or velocity commands) into a recording for vehicle compare
-    #[cfg(feature = "ros")]
     Bag(VehicleBagArgs),
     /// Convert a vehicle of another program (JSON set of Project Chrono, URDF, xacro) into a vehicle file
     Import(VehicleImportArgs),
@@ -107,7 +106,6 @@ pub(crate) struct VehicleCompareArgs {
     pub(crate) format: FormatArgs,
 }
 
-#[cfg(feature = "ros")]
 #[derive(Debug, Args)]
 pub(crate) struct VehicleBagArgs {
     /// Vehicle: a name or a file

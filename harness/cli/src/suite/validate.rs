@@ -10,7 +10,7 @@ use vb_vehicle::VehicleModel;
 
 use crate::args::ValidateArgs;
 use crate::error::CliError;
-use crate::{output, vehicle};
+use crate::{output, places};
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -75,7 +75,7 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), CliError> {
 
 /// What a vehicle takes up of the full-size world, in which suites are stored.
 fn footprint(wanted: &str) -> Result<Vehicle, CliError> {
-    let (_, spec) = vehicle::load(wanted)?;
+    let (_, spec) = places::vehicle(wanted)?;
     let scale = spec.scale;
     let model = VehicleModel::new(spec).map_err(CliError::input)?;
     let shape = static_shape(&model, SimOptions::default()).map_err(CliError::input)?;

@@ -7,7 +7,7 @@ use vb_bag::{Selection, Wheels};
 
 use crate::args::VehicleBagArgs;
 use crate::error::CliError;
-use crate::output;
+use crate::{output, places};
 
 #[derive(Serialize)]
 struct RecordingMessage<'a> {
@@ -27,7 +27,7 @@ struct RecordingMessage<'a> {
 }
 
 pub(super) fn convert(args: &VehicleBagArgs) -> Result<(), CliError> {
-    let (_, spec) = super::load(&args.vehicle)?;
+    let (_, spec) = places::vehicle(&args.vehicle)?;
     if spec.skid.is_none() {
         return Err(CliError::usage(format!(
             "{}: has no skid steering; vehicle compare replays recordings of skid-steered vehicles, e.g. husky",

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
-use vb_validate::{Figure, Recording, number};
+use vb_page::rounded;
+use vb_validate::{Figure, Recording};
 
 use crate::args::{MessageFormat, VehicleCompareArgs};
 use crate::error::CliError;
@@ -22,7 +23,7 @@ struct ComparisonMessage<'a> {
 }
 
 pub(super) fn compare(args: &VehicleCompareArgs) -> Result<(), CliError> {
-    let (_, spec) = super::load(&args.vehicle)?;
+    let (_, spec) = places::vehicle(&args.vehicle)?;
     let mut frictions = args.friction.clone();
     if let Some(wrong) = frictions.iter().find(|f| !FRICTION.contains(f)) {
         let (least, most) = (FRICTION.start(), FRICTION.end());
@@ -50,7 +51,7 @@ pub(super) fn compare(args: &VehicleCompareArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let rows: Vec<Vec<String>> =
-        figures.map(|f| vec![f.name.clone(), number(f.value), f.unit.to_owned()]).collect();
+        figures.map(|f| vec![f.name.clone(), rounded(f.value), f.unit.to_owned()]).collect();
     output::text(&output::columns(&rows));
     output::say(&page.display().to_string());
     Ok(())

@@ -1,6 +1,5 @@
 //! `vb-harness vehicle`.
 
-#[cfg(feature = "ros")]
 mod bag;
 mod compare;
 #[cfg_attr(not(feature = "terrain"), path = "without_course.rs")]
@@ -9,7 +8,7 @@ mod picture;
 mod standing;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use vb_sim::SoilSet;
@@ -23,7 +22,6 @@ use crate::error::CliError;
 use crate::{output, places};
 use standing::Standing;
 use table::Specification;
-pub(crate) use table::scale;
 
 impl VehicleCommand {
     /// Does what it says.
@@ -33,22 +31,14 @@ impl VehicleCommand {
             Self::Validate(args) => validate(args),
             Self::Test(args) => test(args),
             Self::Compare(args) => compare::compare(args),
-            #[cfg(feature = "ros")]
             Self::Bag(args) => bag::convert(args),
             Self::Import(args) => import(args),
         }
     }
 }
 
-/// The vehicle that the user means, and its file.
-pub(crate) fn load(wanted: &str) -> Result<(PathBuf, VehicleSpec), CliError> {
-    let path = places::catalog().data(vb_catalog::Data::Vehicle, wanted)?;
-    let spec = VehicleSpec::load(&path).map_err(CliError::input)?;
-    Ok((path, spec))
-}
-
 pub(crate) fn validate(args: &VehicleArgs) -> Result<(), CliError> {
-    let (path, spec) = load(&args.vehicle)?;
+    let (path, spec) = places::vehicle(&args.vehicle)?;
     let warnings = characteristics(&spec)?.warnings();
     for warning in &warnings {
         output::say(&format!("warning: {}: {warning}", path.display()));
@@ -75,7 +65,7 @@ fn characteristics(spec: &VehicleSpec) -> Result<Characteristics, CliError> {
 }
 
 pub(crate) fn show(args: &VehicleShowArgs) -> Result<(), CliError> {
-    let (path, spec) = load(&args.vehicle)?;
+    let (path, spec) = places::vehicle(&args.vehicle)?;
     let characteristics = characteristics(&spec)?;
     let standing = Standing::new(spec).map_err(CliError::input)?;
     if let Some(file) = &args.svg {
@@ -157,7 +147,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
     let Some(wanted) = &args.vehicle else {
         return Err(CliError::usage("no vehicle given (see vb-harness vehicle test --help)"));
     };
-    let (_, mut spec) = load(wanted)?;
+    let (_, mut spec) = places::vehicle(wanted)?;
     let references = match args.references.clone().or_else(|| places::catalog().references(&spec.name)) {
         Some(path) => References::load(&path, &spec).map_err(CliError::input)?,
         None => References::default(),
@@ -243,7 +233,7 @@ fn table(results: &[EventResult]) -> String {
                 verdict.to_owned(),
                 r.event.name.to_owned(),
                 c.expectation.figure.clone(),
-                c.measured.map_or_else(|| "not reached".to_owned(), vb_validate::number),
+                c.measured.map_or_else(|| "not reached".to_owned(), vb_page::rounded),
                 vb_validate::expected(c.expectation.expected),
                 c.unit.clone(),
                 c.against(),

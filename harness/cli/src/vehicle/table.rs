@@ -1,14 +1,16 @@
 //! What a vehicle is made of, as a table and for programs.
 
 use serde::Serialize;
+use vb_page::rounded;
 use vb_trial::planner_vehicle;
-use vb_validate::{Characteristics, Ride, number};
+use vb_validate::{Characteristics, Ride};
 use vb_vehicle::{
     powertrain::{Converter, Engine},
     suspension::SteeringGear,
 };
 
 use super::standing::Standing;
+use crate::list::scale;
 use crate::output;
 
 /// The specification of a vehicle. SI units, angles in degrees.
@@ -87,18 +89,6 @@ struct AxleRow {
     ride: Option<Ride>,
 }
 
-/// A scale as people write it.
-pub(crate) fn scale(value: f64) -> String {
-    let inverse = 1.0 / value;
-    if value == 1.0 {
-        "1".to_owned()
-    } else if value < 1.0 && (inverse - inverse.round()).abs() < 1e-9 {
-        format!("1/{inverse:.0}")
-    } else {
-        number(value)
-    }
-}
-
 fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
     let best = |points: &[[f64; 2]]| {
         let torque = points.iter().map(|p| p[1]).fold(0.0, f64::max);
@@ -117,9 +107,9 @@ fn engine(engine: &Engine, converter: Option<&Converter>) -> String {
         Engine::Electric { torque, .. } => ("electric motor", best(torque)),
     };
     let unit =
-        if power < 1e3 { format!("{} W", number(power)) } else { format!("{} kW", number(power / 1e3)) };
+        if power < 1e3 { format!("{} W", rounded(power)) } else { format!("{} kW", rounded(power / 1e3)) };
     let behind = if converter.is_some() { ", torque converter" } else { "" };
-    format!("{kind}, {} N m, {unit}{behind}", number(torque))
+    format!("{kind}, {} N m, {unit}{behind}", rounded(torque))
 }
 
 impl Specification {
@@ -130,7 +120,7 @@ impl Specification {
         let (line, gearbox) = (&v.powertrain.driveline, &v.powertrain.gearbox);
         let mut driven = line.axles.iter();
         let tyre = |t: &vb_vehicle::TyreSpec| {
-            format!("{}, radius {} m, width {} m", t.model(), number(t.radius()), number(t.width()))
+            format!("{}, radius {} m, width {} m", t.model(), rounded(t.radius()), rounded(t.width()))
         };
         let axles = v.axles.iter().enumerate().map(|(i, a)| {
             let angles = a.steering.as_ref().and_then(|_| {
@@ -203,8 +193,8 @@ impl Specification {
     pub(super) fn text(&self) -> String {
         let mut rows: Vec<Vec<String>> = Vec::new();
         let mut row = |name: &str, value: String| rows.push(vec![name.to_owned(), value]);
-        let m = |v: f64| format!("{} m", number(v));
-        let triple = |v: [f64; 3]| v.map(number).join(", ");
+        let m = |v: f64| format!("{} m", rounded(v));
+        let triple = |v: [f64; 3]| v.map(rounded).join(", ");
         row("name", self.name.clone());
         row("description", self.description.clone());
         row("world scale", scale(self.scale));
@@ -231,7 +221,7 @@ impl Specification {
         row("turning radius", turning);
         if let (Some(track), Some(rate)) = (self.effective_track_m, self.turning_in_place_rad_per_s) {
             row("effective track", format!("{} (driving at full command)", m(track)));
-            row("turning in place", format!("{} rad/s", number(rate)));
+            row("turning in place", format!("{} rad/s", rounded(rate)));
         }
         if let Some(gradient) = self.roll_gradient_deg_per_g {
             row("roll gradient", format!("{gradient:.2} °/g (suspensions and tyres)"));
@@ -242,13 +232,13 @@ impl Specification {
             );
             row("articulation", text);
         }
-        row("top speed", format!("{} m/s", number(self.max_speed_m_per_s)));
+        row("top speed", format!("{} m/s", rounded(self.max_speed_m_per_s)));
         row("centre of sprung mass", format!("{} m", triple(self.centre_of_mass_m)));
         row("sprung inertia", format!("{} kg m²", triple(self.inertia_kg_m2)));
         for a in &self.axles {
             let mut words = vec![format!("x {}", m(a.x_m)), a.suspension.to_owned()];
             if a.travel_mm != [0.0; 2] {
-                words.push(format!("travel {} to {} mm", number(a.travel_mm[0]), number(a.travel_mm[1])));
+                words.push(format!("travel {} to {} mm", rounded(a.travel_mm[0]), rounded(a.travel_mm[1])));
             }
             if let (Some(gear), Some([l, r])) = (a.steering, a.wheel_angles_deg) {
                 words.push(format!("{gear} to {l:.1}° and {r:.1}°"));
@@ -257,9 +247,9 @@ impl Specification {
                 Some(d) => words.push(format!("driven, {d} differential")),
                 None => words.push("not driven".to_owned()),
             }
-            words.push(format!("{} kg unsprung", number(a.unsprung_mass_kg)));
-            words.push(format!("brakes {} N m", number(a.brake_torque_n_m)));
-            words.push(format!("load {} N", number(a.load_n)));
+            words.push(format!("{} kg unsprung", rounded(a.unsprung_mass_kg)));
+            words.push(format!("brakes {} N m", rounded(a.brake_torque_n_m)));
+            words.push(format!("load {} N", rounded(a.load_n)));
             row(&format!("axle {}", a.name), words.join(", "));
         }
         for a in &self.axles {
@@ -278,15 +268,15 @@ impl Specification {
         row("tyre", different.join("; "));
         row("available tyres", self.tyres.join(", "));
         row("engine", self.engine.clone());
-        row("gears", self.gears.iter().map(|g| number(*g)).collect::<Vec<_>>().join(", "));
+        row("gears", self.gears.iter().map(|g| rounded(*g)).collect::<Vec<_>>().join(", "));
         let change = format!(
             "engages below {} m/s within {} s",
-            number(self.direction_change_speed_m_per_s),
-            number(self.direction_change_latency_s)
+            rounded(self.direction_change_speed_m_per_s),
+            rounded(self.direction_change_latency_s)
         );
         row(
             "reverse gear",
-            self.reverse_gear.map_or("none".to_owned(), |r| format!("{}, {change}", number(r))),
+            self.reverse_gear.map_or("none".to_owned(), |r| format!("{}, {change}", rounded(r))),
         );
         row("centre differential", self.centre_differential.to_owned());
         for (i, d) in self.deviations.iter().enumerate() {

@@ -9,6 +9,7 @@ use vb_vehicle::SCALES;
 
 use crate::explore::Exploration;
 use crate::feature::Layout;
+use crate::formats::Format;
 use crate::values::shown;
 
 /// The version of the layout of `dataset.json` and of the columns.
@@ -47,24 +48,6 @@ impl Kind {
             Self::Merged => "merged",
             Self::Split => "split",
         }
-    }
-}
-
-/// The format of a dataset's files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Format {
-    /// LeRobot's, version 3.0.
-    #[default]
-    LeRobot,
-}
-
-impl Format {
-    /// All formats.
-    pub const ALL: [Self; 1] = [Self::LeRobot];
-
-    fn is_default(&self) -> bool {
-        *self == Self::default()
     }
 }
 

@@ -8,8 +8,8 @@ use crate::episode::{Episode, EpisodeInfo};
 use crate::error::DatasetError;
 use crate::feature::{Feature, Values};
 use crate::format::{Batch, Files, Row};
-use crate::formats;
-use crate::header::{DATASET_SCHEMA, Format, Header};
+use crate::formats::Format;
+use crate::header::{DATASET_SCHEMA, Header};
 use crate::sums::{Flaw, SUMS, Sums, hash_file, must_be_whole};
 use crate::values;
 
@@ -23,7 +23,7 @@ pub(crate) fn read_header(dir: &Path) -> Result<Header, DatasetError> {
     let path = dir.join(HEADER);
     if !path.is_file() {
         let dir = dir.to_owned();
-        return Err(if Format::ALL.into_iter().any(|format| formats::files(format).are_in(&dir)) {
+        return Err(if Format::ALL.iter().any(|format| format.files().are_in(&dir)) {
             DatasetError::Foreign { dir }
         } else {
             DatasetError::Missing { dir }
@@ -61,7 +61,7 @@ impl Dataset {
     /// Returns an error if there is none, it isn't finished, or what tells of its episodes can't be read.
     pub fn open(dir: &Path) -> Result<Self, DatasetError> {
         let header = finished_header(dir)?;
-        let format = formats::files(header.format);
+        let format = header.format.files();
         let sums = Sums::read(dir, SUMS)?;
         let mut rows = Vec::new();
         for number in 0.. {
@@ -125,7 +125,7 @@ impl Dataset {
 
     /// The files of its format.
     pub(crate) fn format(&self) -> &'static dyn Files {
-        formats::files(self.header.format)
+        self.header.format.files()
     }
 
     /// The columns of each frame.

@@ -12,7 +12,6 @@ use crate::episode::{Episode, EpisodeInfo};
 use crate::error::DatasetError;
 use crate::feature::Feature;
 use crate::format::{Batch, Files, Place, Row, Summary, Whole, json};
-use crate::formats;
 use crate::header::Header;
 use crate::reader::{HEADER, WORLDS, read_header};
 use crate::stats::Stats;
@@ -179,7 +178,7 @@ impl DatasetWriter {
             dir: dir.to_owned(),
             lock,
             folder: None,
-            format: formats::files(header.format),
+            format: header.format.files(),
             header,
             features,
             per_file,

@@ -39,7 +39,7 @@ pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Seri
 pub use events::{event, events};
 pub use recording::{Recording, replay};
 pub use reference::{Curve, References};
-pub use report::{Counts, Report, expected, number};
+pub use report::{Counts, Report, expected};
 pub use result::{EventResult, InSetup};
 pub use run::{RunOptions, run};
 pub use setup::Setup;

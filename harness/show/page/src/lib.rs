@@ -13,7 +13,7 @@ mod text;
 
 pub use document::Page;
 pub use print::print_style;
-pub use text::{escape, grouped, json, number, p_value, signed};
+pub use text::{escape, grouped, json, number, p_value, rounded, signed};
 
 /// The style of pages of tables and plots, in light and dark.
 pub const TABLE_STYLE: &str = concat!(include_str!("tables.css"), include_str!("plots.css"));

@@ -38,6 +38,20 @@ pub fn number(v: f64, digits: usize) -> String {
     if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
+/// A number with as many digits as tell measured values apart.
+#[must_use]
+pub fn rounded(v: f64) -> String {
+    let digits = match v.abs() {
+        a if a >= 1000.0 => 0,
+        a if a >= 100.0 => 1,
+        a if a >= 10.0 => 2,
+        a if a >= 0.1 || a == 0.0 => 3,
+        _ => 5,
+    };
+    let text = number(v, digits);
+    if text.bytes().all(|b| matches!(b, b'0' | b'.')) { "0".to_owned() } else { text }
+}
+
 /// A difference: a [`number`] with a plus sign where it is greater than 0.
 #[must_use]
 pub fn signed(v: f64, digits: usize) -> String {
@@ -93,6 +107,8 @@ mod tests {
             (signed(1.25, 1), signed(-1.25, 1), signed(0.01, 1)),
             ("+1.2".into(), "−1.2".into(), "0.0".into())
         );
+        let shown = [24_461.8, 126.57, 12.461, 0.645, -0.0123, 0.0, 1e-9].map(rounded);
+        assert_eq!(shown, ["24462", "126.6", "12.46", "0.645", "−0.01230", "0", "0"]);
         assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
         assert_eq!((p_value(0.000_4).as_str(), p_value(0.0412).as_str()), ("< 0.001", "0.041"));
     }

@@ -60,37 +60,10 @@ pub(crate) fn mass(doc: &Doc) -> Result<f64, ImportError> {
     }
 }
 
-/// Two equal tyres of a twin wheel as one: twice the forces, and as wide as both.
-pub(crate) fn twin(t: Tyre, separation: f64) -> Tyre {
-    let both = |x: &mut f64| *x *= 2.0;
-    let mut spec = t.spec;
-    match &mut spec {
-        TyreSpec::Tmeasy(t) => {
-            let single =
-                [&mut t.pn, &mut t.pn_max, &mut t.vertical_stiffness, &mut t.vertical_stiffness_growth];
-            single.into_iter().chain([&mut t.vertical_damping]).for_each(both);
-            let pairs = [&mut t.dfx0, &mut t.fxm, &mut t.fxs, &mut t.dfy0, &mut t.fym, &mut t.fys];
-            let pairs = pairs.into_iter().chain([&mut t.carcass_stiffness, &mut t.carcass_damping]);
-            pairs.flatten().for_each(both);
-            t.width += separation;
-        }
-        TyreSpec::Fiala(t) => {
-            t.vertical_map.iter_mut().for_each(|p| p[1] *= 2.0);
-            [&mut t.vertical_damping, &mut t.c_slip, &mut t.c_alpha].into_iter().for_each(both);
-            [&mut t.carcass_stiffness, &mut t.carcass_damping].into_iter().flatten().for_each(both);
-            t.width += separation;
-        }
-        TyreSpec::Brush(t) => {
-            [&mut t.vertical_stiffness, &mut t.vertical_damping].into_iter().for_each(both);
-            t.width += separation;
-        }
-        TyreSpec::Rigid(t) => {
-            let all = [&mut t.vertical_stiffness, &mut t.vertical_damping];
-            all.into_iter().chain([&mut t.tangential_stiffness, &mut t.tangential_damping]).for_each(both);
-            t.width += separation;
-        }
-    }
-    Tyre { spec, spin: 2.0 * t.spin }
+/// Two equal tyres of a twin wheel as one; see [`TyreSpec::make_twin`].
+pub(crate) fn twin(mut t: Tyre, separation: f64) -> Tyre {
+    t.spec.make_twin(separation);
+    Tyre { spin: 2.0 * t.spin, ..t }
 }
 
 /// The inertia about the wheel's axis, which files of Chrono 3 and before give only for the wheel.

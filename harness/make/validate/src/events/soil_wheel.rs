@@ -3,10 +3,10 @@
 use crate::check::Expected;
 use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::rigid_wheel::{Carried, RigidWheel};
-use vb_math::{exp, ln, pow, tan};
+use vb_math::{exp, tan};
 use vb_sim::{
     SimError,
-    soil::{Bekker, PressureDirection, Sinkage, SlipSinkage, Snow, SoilLaw, WheelRig},
+    soil::{Bekker, PressureDirection, Sinkage, SlipSinkage, SoilLaw, WheelRig},
 };
 
 /// A soil as the closed forms know it: pressure normal to the rim, no damping, no heaps.
@@ -51,23 +51,11 @@ fn plate(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         for breadth in [0.1, 0.3] {
             for k in 1..=10 {
                 let p = 20e3 * f64::from(k);
-                let z = match law.sinkage {
-                    Sinkage::Bekker(Bekker { k_phi, k_c, exponent: n }) => {
-                        pow(p / (k_c / breadth + k_phi), 1.0 / n)
-                    }
-                    // The density at which the pressure is that of compaction from the undisturbed density on.
-                    Sinkage::Snow(Snow { depth, density }) => {
-                        let all = p + 341e3 * exp((density - 575.0) / 67.4);
-                        depth * (1.0 - density / (575.0 + 67.4 * ln(all / 341e3)))
-                    }
-                };
+                let z = law.sinkage.plate_sinkage(p, breadth);
                 worst = worst.max((law.pressure(z, breadth) / p - 1.0).abs());
             }
         }
-        let source = match law.sinkage {
-            Sinkage::Bekker(_) => "p = (kc/b + kφ) zⁿ at 20 to 200 kPa (Wong 2008, eq. 2.61)",
-            Sinkage::Snow(_) => "z = h (1 − ρ0/ρf), ρf over p at 20 to 200 kPa (CRREL Report 95-7)",
-        };
+        let source = format!("{} at 20 to 200 kPa ({})", law.sinkage.formula(), law.sinkage.source());
         o.expect(&format!("{name}: greatest deviation"), 100.0 * worst, "%", Expected::AtMost(1.0), source);
         if plot.lines.len() < 8 {
             let points =

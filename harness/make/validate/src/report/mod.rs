@@ -11,7 +11,7 @@ use crate::result::{EventResult, InSetup};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-pub use text::{expected, number};
+pub use text::expected;
 use vb_vehicle::VehicleSpec;
 
 /// What a run of events gave.

@@ -2,12 +2,12 @@
 
 use super::Report;
 use super::svg::plot;
-use super::text::{expected, number};
+use super::text::expected;
 use crate::check::{Check, Expected, Kind, Verdict};
 use crate::event::Figure;
 use crate::result::EventResult;
 use std::fmt::Write as _;
-use vb_page::{Page, escape};
+use vb_page::{Page, escape, rounded};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -136,7 +136,7 @@ fn failures(s: &mut String, report: &Report) {
                 "<tr><td>{link}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"u\">{}</td>\
                  <td class=\"n\">{}</td><td class=\"source\"><b>{}</b></td></tr>",
                 escape(&c.expectation.figure),
-                c.measured.map_or_else(|| "not reached".to_owned(), number),
+                c.measured.map_or_else(|| "not reached".to_owned(), rounded),
                 expected(c.expectation.expected),
                 c.unit,
                 deviation(c),
@@ -189,7 +189,7 @@ fn rest(s: &mut String, r: &EventResult, setup: Option<Kind>, figures: &[Figure]
         "<details><summary>Measurements{within} without a reference</summary><table class=\"figures\"><tbody>"
     );
     for f in rest {
-        let value = if f.value.is_finite() { number(f.value) } else { "not reached".to_owned() };
+        let value = if f.value.is_finite() { rounded(f.value) } else { "not reached".to_owned() };
         let _ = write!(
             s,
             "<tr><td>{}</td><td class=\"n\">{value}</td><td class=\"u\">{}</td></tr>",
@@ -209,7 +209,7 @@ fn checks(s: &mut String, r: &EventResult) {
          <th class=\"n\">deviation</th><th></th><th>reference</th></tr></thead><tbody>",
     );
     for c in &r.checks {
-        let measured = c.measured.map_or_else(|| "not reached".to_owned(), number);
+        let measured = c.measured.map_or_else(|| "not reached".to_owned(), rounded);
         let why = c.expectation.unsound.as_ref().map_or_else(String::new, |u| {
             format!("<br><span class=\"unsound\">no verdict: {}</span>", escape(u))
         });
@@ -244,17 +244,17 @@ fn explanation(c: &Check) -> String {
             .to_owned();
     };
     let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
-    let below = |low: f64| format!("{}{unit} below the minimum", number(low - measured));
-    let above = |high: f64| format!("{}{unit} above the maximum", number(measured - high));
+    let below = |low: f64| format!("{}{unit} below the minimum", rounded(low - measured));
+    let above = |high: f64| format!("{}{unit} above the maximum", rounded(measured - high));
     let off = match c.expectation.expected {
         Expected::Within { value, tolerance } => {
             let off = (measured - value).abs();
             let side = if measured > value { "more" } else { "less" };
             format!(
                 "{}{unit} {side} than expected, which is {} times the tolerance of {}{unit}",
-                number(off),
-                number(off / tolerance.max(f64::MIN_POSITIVE)),
-                number(tolerance)
+                rounded(off),
+                rounded(off / tolerance.max(f64::MIN_POSITIVE)),
+                rounded(tolerance)
             )
         }
         Expected::AtLeast(low) => below(low),

@@ -25,5 +25,5 @@ pub use law::{Bulldozing, PressureDirection, SoilLaw};
 pub use rig::{WheelBehaviour, WheelRig};
 pub use set::{Classes, Levels, SoilSet, Soils};
 pub use shear::Shear;
-pub use sinkage::{Bekker, Sinkage, Snow};
+pub use sinkage::*;
 pub use slip::SlipSinkage;

@@ -170,6 +170,20 @@ mod tests {
     }
 
     #[test]
+    fn the_closed_form_of_each_shipped_soil_gives_the_sinkage_of_a_pressure() {
+        for (name, text) in [("default", DEFAULT), ("original", ORIGINAL), ("wong", WONG)] {
+            let set = SoilSet::parse(text, name).unwrap();
+            for (soil, law) in &set.soils {
+                for (pressure, breadth) in [(20e3, 0.1), (200e3, 0.3)] {
+                    let depth = law.sinkage.plate_sinkage(pressure, breadth);
+                    let found = law.sinkage.pressure(depth, breadth);
+                    assert!((found / pressure - 1.0).abs() < 1e-9, "{name}, {soil}: {found} at {depth} m");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn the_levels_of_a_class_of_the_default_set_differ_and_mud_is_cohesive() {
         let set = SoilSet::parse(DEFAULT, "default").unwrap();
         for class in [TerrainClass::Mud, TerrainClass::Sand, TerrainClass::Snow] {

@@ -1,17 +1,14 @@
 //! Tyres: where a wheel meets the ground, and the forces there.
 //!
 //! A contact is found by the [`Envelope`] (or, with an obstacle, by the collision module), whatever the model. The model
-//! gives the radial force of its depth and, through the [`Patch`], the forces in its plane; see `Tyre::react`.
+//! gives the radial force of its depth and, through the [`Patch`], the forces in its plane; see `Tyre::react`. Each model
+//! has a module here, declared by the list of models, `vb_vehicle::tyre_models!`.
 
-mod brush;
 mod envelope;
-mod fiala;
 mod patch;
-mod rigid;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod tmeasy;
 
 use crate::V3;
 pub(crate) use envelope::Clearance;
@@ -98,6 +95,8 @@ trait TyreForce {
 
 macro_rules! models {
     ($($(#[$doc:meta])* $module:ident $variant:ident $data:ident,)*) => {
+        $(mod $module;)*
+
         #[derive(Clone, Debug)]
         enum Model {
             $($variant($module::$variant),)*

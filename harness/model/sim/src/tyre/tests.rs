@@ -131,6 +131,35 @@ fn road() -> Heightfield {
 }
 
 #[test]
+fn these_tests_have_a_tyre_of_every_model() {
+    let tested: std::collections::BTreeSet<_> = tyres().iter().map(|(_, spec)| spec.model()).collect();
+    assert_eq!(tested, TyreSpec::MODELS.iter().copied().collect());
+}
+
+#[test]
+fn a_twin_tyre_gives_twice_the_forces_of_one() {
+    for (name, spec) in tyres() {
+        let mut both = spec.clone();
+        both.make_twin(0.3);
+        assert!((both.width() - spec.width() - 0.3).abs() < 1e-12, "{name}: {}", both.width());
+        assert_eq!(both.vertical_damping(), 2.0 * spec.vertical_damping(), "{name}");
+        let (one, both) = (Tyre::new(&spec), Tyre::new(&both));
+        let load = 6000.0;
+        for depth in [0.01, 0.05] {
+            let forces = [one.vertical_force(depth), both.vertical_force(depth)];
+            assert!((forces[1] / forces[0] - 2.0).abs() < 1e-9, "{name}: {forces:?} at {depth} m");
+        }
+        for (slip, angle) in [(0.02, 0.0), (0.0, 0.03), (0.3, 0.2)] {
+            let [a, b] = [(&one, load), (&both, 2.0 * load)]
+                .map(|(tyre, load)| tyre.steady_force(load, slip, angle, 0.8))
+                .map(|f| [f.longitudinal, f.lateral]);
+            let off = (0..2).map(|k| (b[k] - 2.0 * a[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-6 * load, "{name}: {a:?} and {b:?} at {slip}, {angle}");
+        }
+    }
+}
+
+#[test]
 fn a_free_wheel_rolls_on_its_effective_radius() {
     // Hard: the free radius. Rill: R_0 − d/3. Adams/Tire's Fiala: R_0 − d.
     for (name, fraction) in [("rigid", 0.0), ("brush", 1.0 / 3.0), ("tmeasy", 1.0 / 3.0), ("fiala", 1.0)] {

@@ -43,6 +43,11 @@ impl TyreData for BrushTyre {
         check.not_negative(&format!("{at}.rolling_resistance"), self.rolling_resistance)
     }
 
+    fn double(&mut self) {
+        self.vertical_stiffness *= 2.0;
+        self.vertical_damping *= 2.0;
+    }
+
     fn rolling_resistance(&self) -> f64 {
         self.rolling_resistance
     }

@@ -71,6 +71,13 @@ impl TyreData for FialaTyre {
         check.damping_pair(at, "carcass_damping", self.carcass_damping)
     }
 
+    fn double(&mut self) {
+        self.vertical_map.iter_mut().for_each(|point| point[1] *= 2.0);
+        let single = [&mut self.vertical_damping, &mut self.c_slip, &mut self.c_alpha];
+        let pairs = [&mut self.carcass_stiffness, &mut self.carcass_damping];
+        single.into_iter().chain(pairs.into_iter().flatten()).for_each(|value| *value *= 2.0);
+    }
+
     fn rolling_resistance(&self) -> f64 {
         self.rolling_resistance
     }

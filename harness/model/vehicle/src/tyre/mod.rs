@@ -1,14 +1,6 @@
 //! Tyres as data: a file for each model, and the list of the models.
 
-mod brush;
-mod fiala;
-mod rigid;
-mod tmeasy;
-
-pub use brush::BrushTyre;
-pub use fiala::FialaTyre;
-pub use rigid::{Dilation, HardContact, RigidTyre};
-pub use tmeasy::TmeasyTyre;
+pub use rigid::{Dilation, HardContact};
 
 use crate::field::Check;
 use serde::de::{self, MapAccess, Visitor, value::MapAccessDeserializer};
@@ -16,9 +8,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use vb_files::Flaw;
 
-/// The list of tyre models, handed to a macro. A row has the model's module (of the data here, of the forces in
-/// `vb_sim::tyre`), which is also its name in vehicle files, its variant, which is also the name of the type of the
-/// forces, and the type of its data, which has the fields `radius`, `width` and `vertical_damping`.
+/// The list of tyre models, handed to a macro, which also declares the modules. A row has the model's module (of the
+/// data here, of the forces in `vb_sim::tyre`), which is also its name in vehicle files, its variant, which is also the
+/// name of the type of the forces, and the type of its data, which has the fields `radius`, `width` and
+/// `vertical_damping`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! tyre_models {
@@ -41,6 +34,9 @@ trait TyreData {
     /// Refuses values that no tyre of the model can have. `at` is the tyre's field in the file.
     fn check(&self, check: &Check, at: &str) -> Result<(), Flaw>;
 
+    /// Doubles the forces at every deflection and slip, as of two such tyres side by side.
+    fn double(&mut self);
+
     /// See [`TyreSpec::rolling_resistance`].
     fn rolling_resistance(&self) -> f64 {
         0.0
@@ -57,6 +53,11 @@ trait TyreData {
 
 macro_rules! specs {
     ($($(#[$doc:meta])* $module:ident $variant:ident $data:ident,)*) => {
+        $(
+            mod $module;
+            pub use $module::$data;
+        )*
+
         /// A tyre: `model`, which is the first key, followed by that model's own fields.
         ///
         /// All models share the enveloping contact (`vb_sim::tyre::Envelope`) and the dynamics of the contact patch
@@ -117,6 +118,17 @@ macro_rules! specs {
             /// nothing to tyres that have none.
             pub fn set_coulomb_friction(&mut self, friction: f64) {
                 match self { $(Self::$variant(t) => t.set_coulomb_friction(friction),)* }
+            }
+
+            /// Turns the tyre into a twin tyre: twice the forces, and wider by `separation`, the distance between the
+            /// centres of the two tyres, m.
+            pub fn make_twin(&mut self, separation: f64) {
+                match self {
+                    $(Self::$variant(t) => {
+                        t.double();
+                        t.width += separation;
+                    })*
+                }
             }
 
             /// Refuses values that no tyre of its model can have.

@@ -97,6 +97,13 @@ impl TyreData for RigidTyre {
         check.not_negative(&format!("{at}.tangential_damping"), self.tangential_damping)
     }
 
+    fn double(&mut self) {
+        self.vertical_stiffness *= 2.0;
+        self.vertical_damping *= 2.0;
+        self.tangential_stiffness *= 2.0;
+        self.tangential_damping *= 2.0;
+    }
+
     fn coulomb_friction(&self) -> Option<f64> {
         Some(self.friction)
     }

@@ -134,6 +134,27 @@ impl TyreData for TmeasyTyre {
         check.damping_pair(at, "carcass_damping", self.carcass_damping)
     }
 
+    fn double(&mut self) {
+        let single = [
+            &mut self.pn,
+            &mut self.pn_max,
+            &mut self.vertical_stiffness,
+            &mut self.vertical_stiffness_growth,
+            &mut self.vertical_damping,
+        ];
+        let pairs = [
+            &mut self.dfx0,
+            &mut self.fxm,
+            &mut self.fxs,
+            &mut self.dfy0,
+            &mut self.fym,
+            &mut self.fys,
+            &mut self.carcass_stiffness,
+            &mut self.carcass_damping,
+        ];
+        single.into_iter().chain(pairs.into_iter().flatten()).for_each(|value| *value *= 2.0);
+    }
+
     fn rolling_resistance(&self) -> f64 {
         self.rolling_resistance
     }

@@ -1,6 +1,5 @@
-//! Shear stress over shear displacement: a file for each law, and their list. The footprint is compiled for each law.
-
-mod janosi;
+//! Shear stress over shear displacement: a file for each law, and their list, which declares them. The footprint is
+//! compiled for each law.
 
 use fearless_simd::{Simd, f64x4, prelude::*};
 use serde::{Deserialize, Serialize};
@@ -40,6 +39,8 @@ macro_rules! laws {
         pub enum Shear {
             $($(#[$doc])* $law,)*
         }
+
+        $(mod $module;)*
 
         /// A soil's law, ready for steps.
         #[derive(Clone, Debug, PartialEq)]

@@ -19,12 +19,19 @@ pub struct Bekker {
 }
 
 impl PressureSinkage for Bekker {
+    const FORMULA: &'static str = "p = (kc/b + kφ) zⁿ";
+    const SOURCE: &'static str = "Wong 2008, eq. 2.61";
+
     fn moduli(&self) -> [f64; 2] {
         [self.k_phi, self.k_c]
     }
 
     fn shape(&self, sinkage: f64) -> f64 {
         vb_math::pow(sinkage, self.exponent)
+    }
+
+    fn plate_sinkage(&self, pressure: f64, breadth: f64) -> f64 {
+        vb_math::pow(pressure / (self.k_c / breadth + self.k_phi), 1.0 / self.exponent)
     }
 
     fn softer(self, factor: f64) -> Self {

@@ -1,16 +1,16 @@
-//! Pressure over sinkage: a file for each law, and their list. Steps look the pressure up in a table of the law.
-
-mod bekker;
-mod snow;
-
-pub use bekker::Bekker;
-pub use snow::Snow;
+//! Pressure over sinkage: a file for each law, and their list, which declares them. Steps look the pressure up in a table
+//! of the law.
 
 use serde::{Deserialize, Serialize};
 use vb_files::Flaw;
 
 /// A law of pressure over sinkage.
 trait PressureSinkage: Sized {
+    /// See [`Sinkage::formula`].
+    const FORMULA: &'static str;
+    /// See [`Sinkage::source`].
+    const SOURCE: &'static str;
+
     /// Frictional and cohesive modulus: the pressure is (k_c/b + k_φ) times [`Self::shape`], with the smaller dimension
     /// b of the contact patch.
     fn moduli(&self) -> [f64; 2] {
@@ -19,6 +19,9 @@ trait PressureSinkage: Sized {
 
     /// The pressure at a sinkage (m) over the modulus.
     fn shape(&self, sinkage: f64) -> f64;
+
+    /// See [`Sinkage::plate_sinkage`].
+    fn plate_sinkage(&self, pressure: f64, breadth: f64) -> f64;
 
     /// See [`Sinkage::softer`].
     fn softer(self, factor: f64) -> Self {
@@ -34,13 +37,18 @@ trait PressureSinkage: Sized {
 }
 
 macro_rules! laws {
-    ($($(#[$doc:meta])* $law:ident,)*) => {
+    ($($(#[$doc:meta])* $module:ident: $law:ident,)*) => {
         /// The pressure of the soil over sinkage.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(tag = "type", rename_all = "snake_case")]
         pub enum Sinkage {
             $($(#[$doc])* $law($law),)*
         }
+
+        $(
+            mod $module;
+            pub use $module::$law;
+        )*
 
         impl Sinkage {
             pub(super) fn moduli(&self) -> [f64; 2] {
@@ -49,6 +57,25 @@ macro_rules! laws {
 
             pub(super) fn shape(&self, sinkage: f64) -> f64 {
                 match self { $(Self::$law(law) => law.shape(sinkage),)* }
+            }
+
+            /// The sinkage (m) of a plate under a pressure (Pa) by the closed form of the law; `breadth` is the plate's
+            /// smaller dimension, m.
+            #[must_use]
+            pub fn plate_sinkage(&self, pressure: f64, breadth: f64) -> f64 {
+                match self { $(Self::$law(law) => law.plate_sinkage(pressure, breadth),)* }
+            }
+
+            /// The closed form of [`Self::plate_sinkage`], for people.
+            #[must_use]
+            pub fn formula(&self) -> &'static str {
+                match self { $(Self::$law(_) => $law::FORMULA,)* }
+            }
+
+            /// The publication of the law.
+            #[must_use]
+            pub fn source(&self) -> &'static str {
+                match self { $(Self::$law(_) => $law::SOURCE,)* }
             }
 
             /// The same law with its moduli divided by `factor`; snow, which has none, is unchanged.
@@ -69,9 +96,9 @@ macro_rules! laws {
 }
 laws! {
     /// Soil without a bottom.
-    Bekker,
+    bekker: Bekker,
     /// Snow over firm ground.
-    Snow,
+    snow: Snow,
 }
 
 impl Sinkage {

@@ -38,6 +38,9 @@ fn compaction_pressure(density: f64) -> f64 {
 }
 
 impl PressureSinkage for Snow {
+    const FORMULA: &'static str = "z = h (1 − ρ0/ρf), ρf over p";
+    const SOURCE: &'static str = "CRREL Report 95-7";
+
     fn shape(&self, sinkage: f64) -> f64 {
         let Self { depth, density } = *self;
         // The density at which the pressure is [`FIRM_PRESSURE`].
@@ -46,6 +49,14 @@ impl PressureSinkage for Snow {
         let compacted = density / (1.0 - sinkage.min(end) / depth);
         compaction_pressure(compacted) - compaction_pressure(density)
             + FIRM_STIFFNESS * (sinkage - end).max(0.0)
+    }
+
+    /// The density under the plate is that at which the pressure is that of compaction from the undisturbed density on.
+    /// It is of pressures below [`FIRM_PRESSURE`].
+    fn plate_sinkage(&self, pressure: f64, _: f64) -> f64 {
+        let all = pressure + compaction_pressure(self.density);
+        let compacted = COMPACTION_DENSITY + COMPACTION_SCALE * vb_math::ln(all / COMPACTION_PRESSURE);
+        self.depth * (1.0 - self.density / compacted)
     }
 
     fn check(&self) -> Result<(), Flaw> {
