@@ -26,7 +26,6 @@ pub struct Rescored {
 
 /// The reason why a run can't be scored again.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum RescoreError {
     /// The run can't be read.
     #[error(transparent)]
