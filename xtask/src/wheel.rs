@@ -1,4 +1,4 @@
-//! The Python package: its wheel (`docs/python.md`).
+//! The Python package: its wheel (CONTRIBUTING.md, "Wheels and releases").
 //!
 //! maturin builds the module and writes the wheel. It builds no other programs, so the package is put together before, in
 //! `target/wheel`: sources, program, tasks, planners and licences.
