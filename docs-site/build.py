@@ -21,12 +21,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import unquote
 
-from generator import SiteError, cli, codes, python_reference
+from generator import SiteError, c_reference, cli, codes, python_reference
 from generator.pages import Pages
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 PROGRAM = ROOT / "target/release" / ("vb-harness.exe" if os.name == "nt" else "vb-harness")
+#: Crates whose documentation is part of the site.
+RUST_CRATES = {"vb_sdk", "vb_math"}
 #: What a page loads when it is opened, in contrast to what it links to.
 _LOADED = re.compile(
     r"<(?:script|img|iframe|source|video|audio|embed)\b[^>]*?\bsrc=[\"']?((?:https?:)?//[^\"'\s>]+)"
@@ -60,6 +62,42 @@ def write_commands(program: Path | None, pages: Pages) -> str:
     return cli.navigation(found, places, indent)
 
 
+def made_rustdoc(root: Path) -> Path | None:
+    """Folder into which `cargo doc` has written the documentation of the SDK, if there is one."""
+    folder = root / "target/doc"
+    return folder if (folder / "vb_sdk/index.html").is_file() else None
+
+
+def rust_page(is_included: bool) -> str:
+    """The page that leads to the documentation of the Rust SDK, or says how to make it."""
+    lines = ["# Rust reference", ""]
+    if is_included:
+        lines += ["[`vb_sdk`](rust/vb_sdk/index.html), the SDK for planners: the interface, and modules for paths, maps, search, sampling and networks."]
+    else:
+        lines += [
+            "This copy of the documentation was built without the reference of the Rust SDK, which `cargo doc` makes. In a planner's project, "
+            "`cargo doc --package vb-sdk --open` shows it.",
+        ]
+    lines += ["", "[Writing a planner](writing-a-planner.md) is the tutorial, [the planner interface](abi.md) the reference of the data."]
+    return "\n".join(lines) + "\n"
+
+
+def copy_rustdoc(folder: Path, out: Path) -> None:
+    """Copies the documentation of the SDK out of a folder of `cargo doc`, which may have other crates, too."""
+    if not (folder / "vb_sdk/index.html").is_file():
+        raise SiteError(f"{folder}: no documentation of the SDK is here; make it with `cargo doc --release --package vb-sdk --no-deps`, or leave out --rustdoc")
+    crates = {p.name for p in folder.iterdir() if (p / "all.html").is_file()} - RUST_CRATES
+
+    def left_out(place: str, names: list[str]) -> set[str]:
+        is_top = Path(place) in (folder, folder / "src")
+        return {name for name in names if name.startswith(".") or (is_top and name in crates)}
+
+    shutil.copytree(folder, out, ignore=left_out)
+    # Licences of fonts, which MkDocs would take for pages.
+    for file in out.rglob("*.md"):
+        file.rename(file.with_suffix(".txt"))
+
+
 def leaderboard_page(board: Path | None) -> str:
     """The page of the leaderboard of the reference planners, which is in a folder (`cargo xtask leaderboard`) or missing."""
     lines = ["# Leaderboard", ""]
@@ -82,11 +120,11 @@ def leaderboard_page(board: Path | None) -> str:
                 seconds = "–" if time is None else f"{time['mean']:.1f}"
                 lines.append(f"| {entry['rank']}{tie} | [{entry['planner']}](board/{entry['page']}) | {percent} | {seconds} |")
         lines += ["", "`=`: a tie, the difference is not significant. [All figures, maps and records](board/index.html)."]
-    lines += ["", "[Results](benchmark-results.md) has the planners by terrain and cause of failure, [submissions](leaderboard.md) how to enter a planner."]
+    lines += ["", "[Results](benchmark-results.md) has the planners by terrain and cause of failure, [entering a leaderboard](leaderboard.md) the steps for your planner."]
     return "\n".join(lines) + "\n"
 
 
-def prepare(folder: Path, program: Path | None, board: Path | None) -> Path:
+def prepare(folder: Path, program: Path | None, board: Path | None, rustdoc: Path | None) -> Path:
     """Writes the pages and the settings for MkDocs into a folder, and returns the settings' file."""
     docs = folder / "pages"
     pages = Pages(ROOT, docs)
@@ -100,6 +138,10 @@ def prepare(folder: Path, program: Path | None, board: Path | None) -> Path:
         place = docs / page
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text, encoding="utf-8")
+    pages.write(c_reference.PAGE, c_reference.page(ROOT, pages.sources))
+    pages.write("rust-reference.md", rust_page(rustdoc is not None))
+    if rustdoc is not None:
+        copy_rustdoc(rustdoc, docs / "rust")
     pages.write_all()
     (docs / "leaderboard-of-planners.md").write_text(leaderboard_page(board), encoding="utf-8")
     if board is not None:
@@ -162,13 +204,15 @@ def check_site(out: Path) -> int:
     return len(texts)
 
 
-def build(out: Path, program: Path | None, board: Path | None) -> int:
+def build(out: Path, program: Path | None, board: Path | None, rustdoc: Path | None) -> int:
     """Builds the site into a folder, and returns the number of pages."""
     check_out(out)
     with tempfile.TemporaryDirectory() as folder:
-        run_mkdocs(prepare(Path(folder), program, board), out)
+        run_mkdocs(prepare(Path(folder), program, board, rustdoc), out)
     if program is None:
         print("the pages of the command line are left out (--without-cli)", file=sys.stderr)
+    if rustdoc is None:
+        print("the reference of the Rust SDK is left out: target/doc/vb_sdk is missing", file=sys.stderr)
     if board is None:
         print("the leaderboard is left out: target/leaderboard is missing", file=sys.stderr)
     return check_site(out)
@@ -189,18 +233,23 @@ def main() -> int:
         "--leaderboard", type=Path, metavar="DIR",
         help="leaderboard to include, from cargo xtask leaderboard; default: target/leaderboard if it exists",
     )  # fmt: skip
+    parser.add_argument(
+        "--rustdoc", type=Path, metavar="DIR",
+        help="folder of cargo doc with the SDK's documentation; default: target/doc if it has vb_sdk",
+    )  # fmt: skip
     arguments = parser.parse_args()
     program = None if arguments.without_cli else arguments.program.absolute()
     made = ROOT / "target/leaderboard"
     board = arguments.leaderboard.absolute() if arguments.leaderboard else made if made.is_dir() else None
+    rustdoc = arguments.rustdoc.absolute() if arguments.rustdoc else made_rustdoc(ROOT)
     try:
         if arguments.check:
             with tempfile.TemporaryDirectory() as folder:
-                pages = build(Path(folder), program, board)
+                pages = build(Path(folder), program, board, rustdoc)
             print(f"{pages} pages, no broken links, no warnings")
         else:
             out = arguments.out.absolute()
-            pages = build(out, program, board)
+            pages = build(out, program, board, rustdoc)
             print(f"{pages} pages in {out}; open {out / 'index.html'}")
     except SiteError as e:
         for problem in e.problems:

@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 import build
-from generator import SiteError, cli, markdown, pages, python_reference
+from generator import SiteError, c_reference, cli, markdown, pages, python_reference
 
 
 class Markdown(unittest.TestCase):
@@ -50,6 +50,25 @@ class Markdown(unittest.TestCase):
         self.assertEqual(markdown.table_with(section, "code"), ["| code | y |", "|---|---|", "| 3 | 4 |"])
         with self.assertRaises(LookupError):
             markdown.section(text, "D")
+
+
+class Length(unittest.TestCase):
+    #: Words of README, and of README and all pages in `docs`.
+    README, ALL = 700, 32_000
+    #: Pages that are generated as a whole.
+    GENERATED = {"file-fields.md", "vehicle-fields.md"}
+
+    def test_words_are_those_that_people_wrote(self) -> None:
+        text = "a b <!-- c\nd -->\n```sh\ne\n```\n| f | g |\n|---|---|\n| h – i | `j k` |\n<!-- made: x (by y) -->\n\n| l |\n<!-- end of x -->\nm\n"
+        self.assertEqual(markdown.words(text), 10)
+
+    def test_readme_and_pages_stay_short(self) -> None:
+        root = Path(__file__).resolve().parents[1]
+        counts = {p.name: markdown.words(p.read_text(encoding="utf-8")) for p in (root / "docs").glob("*.md") if p.name not in self.GENERATED}
+        readme = markdown.words((root / "README.md").read_text(encoding="utf-8"))
+        self.assertLessEqual(readme, self.README, "README.md: move details to a page in docs")
+        longest = ", ".join(f"{name} {count}" for name, count in sorted(counts.items(), key=lambda item: -item[1])[:5])
+        self.assertLessEqual(readme + sum(counts.values()), self.ALL, f"README.md and docs: shorten what you extend (longest: {longest})")
 
 
 class Pages(unittest.TestCase):
@@ -152,6 +171,82 @@ Exit codes:
     def test_an_unknown_request_is_an_error(self) -> None:
         with self.assertRaises(ValueError):
             cli.parsed((), ".SH OPTIONS\n.UR x\n")
+
+
+class CReference(unittest.TestCase):
+    HEADER = """/* The interface.
+ * Rules:
+ * - SI units.
+ */
+#ifndef VB_PLANNER_H
+#define VB_PLANNER_H
+/* Room for a text. */
+#define VB_BYTES 8
+
+/* Levels. */
+enum {
+    VB_A = 0,
+    /* The other. */
+    VB_B = 1
+};
+
+/* A path, of vb_x. */
+typedef struct vb_x {
+    /* The points; see
+     * docs/abi.md. */
+    const vb_y *points;
+    size_t points_len;
+    char text[VB_BYTES];
+    /* Logs. */
+    void (*log)(void *context,
+                uint32_t level);
+} vb_x;
+#define VB_NEED(sensor) "need: " sensor
+extern VB_EXPORT const vb_x vb_entry;
+#endif
+"""
+
+    def test_a_header_becomes_tables(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, c_reference.HEADER)
+            file.parent.mkdir(parents=True)
+            file.write_text(self.HEADER, encoding="utf-8")
+            text = c_reference.page(Path(folder), {"docs/abi.md": "abi.md"})
+            for part in (
+                "- SI units.", "A path, of `vb_x`.", "| `points` | `const vb_y *` | The points; see [docs/abi.md](abi.md). |",
+                "| `points_len` | `size_t` | The number of elements of `points`. |", "| `text` | `char[VB_BYTES]` |  |",
+                "| `log` | `void (*)(void *context, uint32_t level)` | Logs. |", "| `VB_B` | 1 | The other. |",
+                "| `VB_BYTES` | 8 | Room for a text. |", "### `VB_NEED(sensor)`", "### `const vb_x vb_entry`",
+            ):  # fmt: skip
+                self.assertIn(part, text)
+            self.assertNotIn("VB_PLANNER_H", text)
+            file.write_text(self.HEADER.replace("size_t points_len;", "size_t : 3;"), encoding="utf-8")
+            with self.assertRaises(SiteError) as caught:
+                c_reference.page(Path(folder), {})
+            self.assertIn("sdk/c/vb_planner.h: not understood: size_t : 3;", caught.exception.problems[0])
+
+    def test_every_structure_and_field_has_a_text(self) -> None:
+        _, items = c_reference.parsed((Path(__file__).resolve().parents[1] / c_reference.HEADER).read_text(encoding="utf-8"))
+        self.assertEqual([item.name for item in items if not item.text and not item.rows], [])
+        self.assertEqual([(item.name, row[0]) for item in items if item.kind == "struct" for row in item.rows if not row[2]], [])
+
+
+class RustReference(unittest.TestCase):
+    def test_the_documentation_of_the_sdk_is_copied_without_other_crates(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            docs, out = Path(folder, "doc"), Path(folder, "out")
+            with self.assertRaises(SiteError):
+                docs.mkdir()
+                build.copy_rustdoc(docs, out)
+            for name in ("vb_sdk/index.html", "vb_sdk/all.html", "vb_host/all.html", "src/vb_sdk/lib.rs.html", "src/vb_host/lib.rs.html", "static.files/a.css", "static.files/b.md", ".lock"):
+                file = docs / name
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.touch()
+            build.copy_rustdoc(docs, out)
+            found = sorted(p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file())
+            self.assertEqual(found, ["src/vb_sdk/lib.rs.html", "static.files/a.css", "static.files/b.txt", "vb_sdk/all.html", "vb_sdk/index.html"])
+        self.assertIn("rust/vb_sdk/index.html", build.rust_page(True))
+        self.assertIn("cargo doc", build.rust_page(False))
 
 
 class PythonReference(unittest.TestCase):

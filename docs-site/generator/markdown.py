@@ -174,6 +174,13 @@ def for_mkdocs(text: str) -> str:
     return "\n".join(result) + "\n"
 
 
+def words(text: str) -> int:
+    """Number of words that people wrote on a page: without code blocks, generated parts, comments and the lines of tables."""
+    lines = [line for line, code in zip(text.splitlines(), fenced(text), strict=True) if not code]
+    open_text = re.sub(r"<!-- made: .*?<!-- end of .*?-->|<!--.*?-->", "", "\n".join(lines), flags=re.DOTALL)
+    return len(re.sub(r"^[ |:-]+$", "", open_text, flags=re.MULTILINE).replace("|", " ").split())
+
+
 def escaped(text: str) -> str:
     """Plain text as Markdown."""
     return re.sub(r"([\\`*_\[\]<>|#])", lambda match: {"<": "&lt;", ">": "&gt;"}.get(match[1], "\\" + match[1]), text)

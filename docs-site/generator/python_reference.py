@@ -63,7 +63,7 @@ def pages(root: Path) -> dict[str, str]:
         found[file] = "\n".join(texts)
         rows.append([f"[`{page}`]({page}.md)", markdown.escaped(_docstring(root, page).split("\n")[0])])
     found["python-reference/index.md"] = (
-        "# Python reference\n\nThe package `vertibench` ([installation](../python.md)) and the package `vertibench_planner` for "
+        "# Python reference\n\nThe package `vertibench` ([installation](../install.md)) and the package `vertibench_planner` for "
         f"[planners in Python](../python-planners.md).\n\n{markdown.table(['module', 'content'], rows)}"
     )
     return found

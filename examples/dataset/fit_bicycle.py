@@ -1,4 +1,4 @@
-"""Fits what the kinematic bicycle gets wrong about half a second of driving: fit_bicycle.py DATASET"""
+"""Fits the errors of the kinematic bicycle over half a second of driving: fit_bicycle.py DATASET"""
 import sys
 
 import numpy as np

@@ -5,13 +5,13 @@ cd "$(dirname "$0")"
 out="${1:-build/pursuit-c.wasm}"
 mkdir -p build "$(dirname "$out")"
 
-# A module of the interface's types and the planner: a reactor, that is, a library without `main`.
+# A module of the interface's types and the planner: a reactor (a library without `main`).
 "${PYTHON:-python3}" -m ziglang cc --target=wasm32-wasi -mexec-model=reactor -msimd128 \
     -std=c11 -O2 -ffp-contract=off -Wall -Wextra -Werror \
     -o build/plain.wasm planner.c following.c gen/planner_plugin.c gen/planner_plugin_component_type.o
 
-# Names of functions stay, since the message of a trap shows them. What is for debuggers goes: it is large, and holds
-# names of folders of this machine. The compiler's own options take both or none.
+# Keeps function names for trap messages, and strips debug information, which is large and contains local paths. The
+# compiler's options strip both or none.
 "${PYTHON:-python3}" - build/plain.wasm <<'EOF'
 import sys
 

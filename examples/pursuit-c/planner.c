@@ -7,7 +7,7 @@
 #include "following.h"
 #include "gen/planner_plugin.h"
 
-// One planner for one task: all its state. The generated header declares the type and leaves its content to us.
+// The state of a planner for one task. The generated header declares the type, the planner defines it.
 struct exports_vertibench_planner_guest_planner_t {
   path_t path;
   double arc; // progress along the path, m
@@ -21,7 +21,7 @@ static bool number(const vertibench_planner_types_list_param_t *params, const ch
   for (size_t i = 0; i < params->len; i++) {
     const vertibench_planner_types_param_t *param = &params->ptr[i];
     if (param->key.len != strlen(key) || memcmp(param->key.ptr, key, param->key.len) != 0) continue;
-    // Texts of the interface have a length and no end mark.
+    // Texts of the interface have a length and no terminator.
     char text[64] = {0};
     if (param->value.len == 0 || param->value.len >= sizeof text) return false;
     memcpy(text, param->value.ptr, param->value.len);
@@ -32,7 +32,7 @@ static bool number(const vertibench_planner_types_list_param_t *params, const ch
   return false;
 }
 
-// Fills a new planner from the task, or returns why that can't be done.
+// Initialises a planner from the task, or returns the reason of a failure.
 static const char *fill(planner_t *planner, const exports_vertibench_planner_guest_task_t *task) {
   if (!number(&task->params, "speed", &planner->speed)) return "parameter speed must be a number";
   if (!number(&task->params, "ahead", &planner->ahead)) return "parameter ahead must be a number";
@@ -48,7 +48,7 @@ static const char *fill(planner_t *planner, const exports_vertibench_planner_gue
   return NULL;
 }
 
-// Called once a task. Arguments belong to us and must be freed; what is returned is freed by the generated code.
+// Called once per task. The planner must free the arguments; the generated code frees the returned values.
 bool exports_vertibench_planner_guest_static_planner_init(
     exports_vertibench_planner_guest_task_t *task, exports_vertibench_planner_guest_own_planner_t *ret,
     planner_plugin_string_t *err) {
@@ -76,13 +76,13 @@ bool exports_vertibench_planner_guest_method_planner_step(
   }
   double x = o->pose.val.position.x, y = o->pose.val.position.y;
   double yaw = o->pose.val.yaw, speed = o->pose.val.linear_velocity.x;
-  // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+  // Rejects implausible numbers. Comparisons with NaN are false, so NaN is rejected, too.
   if (!(fabs(x) < 1e9 && fabs(y) < 1e9 && fabs(yaw) < 1e9 && fabs(speed) < 1e9)) {
     exports_vertibench_planner_guest_observation_free(o);
-    planner_plugin_string_dup(err, "position, heading or speed makes no sense");
+    planner_plugin_string_dup(err, "invalid position, heading or speed");
     return false;
   }
-  // Progress never goes back, and advances by a window at most: it can't jump to a later stretch that passes nearby.
+  // Progress never decreases, and advances by at most a window: it cannot jump to a later section nearby.
   double window = 2.0 * planner->ahead;
   planner->arc = path_closest_between(&planner->path, x, y, planner->arc, planner->arc + window);
   point_t goal = path_point_at(&planner->path, planner->arc + planner->ahead);

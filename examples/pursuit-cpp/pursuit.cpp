@@ -1,5 +1,5 @@
-// Pure pursuit in C++: drive the circle that goes through a point ahead on the path. The same as examples/pursuit, with
-// the C interface of sdk/c/vb_planner.h and the C++ library's own mathematics, whose last bits depend on the platform.
+// Pure pursuit in C++: drives the circle through a point ahead on the path. Like examples/pursuit, but with the C
+// interface of sdk/c/vb_planner.h and the mathematics of the C++ library, whose last bits depend on the platform.
 
 #include "vb_planner.h"
 
@@ -19,8 +19,8 @@ VB_PLANNER_METADATA("pursuit-cpp", "1.0.0", "The Verti-Bench in Rust developers"
 
 namespace {
 
-// A vehicle's progress along a path. It never goes back, and it advances by `window` metres a call at most, so it can't
-// jump to a later stretch that passes nearby.
+// A vehicle's progress along a path. It never decreases, and advances by at most `window` metres per call, so that it
+// does not jump to a later section nearby.
 class Follower {
 public:
     Follower(const vb_point2 *points, std::size_t count, double window)
@@ -112,7 +112,7 @@ struct Pursuit {
     Follower follower;
 };
 
-// Runs planner code for the harness: no exception may leave a library.
+// Runs planner code for the harness; exceptions must not leave the library.
 template <typename Code> int32_t guarded(vb_error *error, Code code) {
     try {
         code();

@@ -1,7 +1,7 @@
 // Pure pursuit: drive the circle that goes through a point ahead on the path.
 //
-// The same formulas in the same order as in the Rust SDK (`path`, `speed`, `math::turn`), so that a planner in either
-// language gives the same commands.
+// The same formulas in the same order as in the Rust SDK (`path`, `speed`, `math::turn`), so that commands are
+// identical in both languages.
 
 const clamp = (value, low, high) => (value < low ? low : value > high ? high : value);
 
@@ -14,7 +14,7 @@ function turn(start, end) {
   return a >= tau ? -Math.PI : a - Math.PI;
 }
 
-/** x² as a rounded value and what rounding left off (Dekker 1971). */
+/** x² as a rounded value and the rounding error (Dekker 1971). */
 function square(x) {
   const c = x * 134217729; // 2^27 + 1
   const high = x - c + c;
@@ -23,7 +23,7 @@ function square(x) {
   return [value, high * high - value + 2 * high * low + low * low];
 }
 
-/** Length of (x, y), of ordinary size. JavaScript leaves it open how `Math.hypot` rounds; this is the C library's way. */
+/** Length of (x, y), of ordinary size. The rounding of `Math.hypot` is unspecified in JavaScript; this is that of the C library. */
 function hypot(x, y) {
   x = Math.abs(x);
   y = Math.abs(y);
@@ -34,7 +34,7 @@ function hypot(x, y) {
   return Math.sqrt(ly + lx + hy + hx);
 }
 
-/** Throttle and brake, each in [0, 1], in proportion to what is missing of the target speed (m/s). */
+/** Throttle and brake, each in [0, 1], proportional to the speed error (m/s). */
 function throttleAndBrake(target, speed) {
   const u = clamp(target - speed, -1, 1);
   return u >= 0 ? [u, 0] : [0, -u];
@@ -66,7 +66,7 @@ class Path {
     return this.arc[this.arc.length - 1];
   }
 
-  /** The point at an arc length; before the start and past the end it is the start and the end. */
+  /** The point at an arc length, clamped to the start and the end. */
   pointAt(arc) {
     const i = firstIndex(this.arc, (a) => a >= arc);
     if (i === 0) return this.points[0];
@@ -104,12 +104,12 @@ class Path {
 function number(task, key) {
   const text = task.params.find((p) => p.key === key)?.value;
   const value = text === undefined || text.trim() === '' ? NaN : Number(text);
-  // What is thrown gives the task up, with the message as the reason.
+  // Exceptions abort the task, with the message as the reason.
   if (!Number.isFinite(value)) throw new Error(`parameter ${key} is ${text}; it must be a number`);
   return value;
 }
 
-/** What `step` returned, if it is a command. Anything else would end the task as a trap, without a word on the reason. */
+/** Checks that `step` returned a command. Other values would end the task as a trap without a reason. */
 function checked(command) {
   const wrong = (what) => {
     throw new Error(`step returned ${what}; return { steering, throttle, brake, gear, debug }`);
@@ -146,12 +146,12 @@ class Planner {
     if (!o.pose) throw new Error('there is no pose');
     const { yaw, linearVelocity } = o.pose;
     const { x, y } = o.pose.position;
-    // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+    // Rejects implausible numbers. Comparisons with NaN are false, so NaN is rejected, too.
     const seen = [x, y, yaw, linearVelocity.x];
     if (!seen.every((value) => Math.abs(value) < 1e9)) {
-      throw new Error(`position, heading or speed makes no sense: ${seen.join(', ')}`);
+      throw new Error(`invalid position, heading or speed: ${seen.join(', ')}`);
     }
-    // Progress never goes back, and advances by a window at most: it can't jump to a later stretch that passes nearby.
+    // Progress never decreases, and advances by at most a window: it cannot jump to a later section nearby.
     this.arc = this.path.closestBetween(x, y, this.arc, this.arc + 2 * this.ahead);
     const goal = this.path.pointAt(this.arc + this.ahead);
     const [dx, dy] = [goal.x - x, goal.y - y];

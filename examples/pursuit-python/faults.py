@@ -1,4 +1,4 @@
-"""Telling the harness of a bug."""
+"""Reports bugs to the harness."""
 
 from functools import wraps
 
@@ -8,7 +8,7 @@ from wit_world.imports.types import LogLevel
 
 
 def reported(function):
-    """Lets an exception that isn't `Err` end the task as a panic with its text and place.
+    """Turns an exception other than `Err` into a panic with its text and location.
 
     Without this the panic would be told with the place in the runtime that found the exception.
     """
@@ -33,6 +33,6 @@ def reported(function):
 
 
 def panicked(code, line, text):
-    """Logs it in the form by which the harness knows it: docs/abi.md."""
+    """Logs it in the format that the harness recognises: docs/abi.md."""
     file = code.co_filename.rsplit("/", 1)[-1]
     log(LogLevel.ERROR, f"panicked at {file}:{line}:1: {text}")

@@ -1,7 +1,7 @@
-"""Following a path, and holding a speed.
+"""Path following and speed control.
 
-The same formulas in the same order as in the Rust SDK (`path`, `speed` and `math::turn`), so that a planner in either
-language gives the same commands.
+The same formulas in the same order as in the Rust SDK (`path`, `speed` and `math::turn`), so that commands are
+identical in both languages.
 """
 
 from bisect import bisect_left, bisect_right
@@ -11,7 +11,7 @@ SPLIT = 134217729.0  # 2^27 + 1
 
 
 def square(x):
-    """x² as a rounded value and what rounding left off (Dekker 1971)."""
+    """x² as a rounded value and the rounding error (Dekker 1971)."""
     c = x * SPLIT
     high = x - c + c
     low = x - high
@@ -32,7 +32,7 @@ def hypot(x, y):
 
 
 def clamp(value, low, high):
-    """The closest number in [low, high]."""
+    """Clamps a number to [low, high]."""
     return low if value < low else high if value > high else value
 
 
@@ -46,7 +46,7 @@ def turn(start, end):
 
 
 def throttle_and_brake(target, speed):
-    """Both in [0, 1], in proportion to what is missing of the target speed (m/s)."""
+    """Throttle and brake, each in [0, 1], proportional to the speed error (m/s)."""
     u = clamp(target - speed, -1.0, 1.0)
     return (u, 0.0) if u >= 0.0 else (0.0, -u)
 
@@ -61,11 +61,11 @@ class Path:
             self.arc.append(self.arc[-1] + hypot(bx - ax, by - ay))
 
     def length(self):
-        """Whole length, m."""
+        """Total length, m."""
         return self.arc[-1]
 
     def point_at(self, arc):
-        """The point at an arc length; before the start and past the end it is the start and the end."""
+        """The point at an arc length, clamped to the start and the end."""
         i = bisect_left(self.arc, arc)
         if i == 0:
             return self.points[0]
@@ -100,8 +100,8 @@ class Path:
 
 
 class Follower:
-    """Progress along a path. It never goes back, and advances by `window` metres a call at most, so it can't jump to a
-    later stretch that passes nearby."""
+    """Progress along a path. It never decreases, and advances by at most `window` metres per call, so that it does not
+    jump to a later section nearby."""
 
     def __init__(self, path, window):
         self.path, self.window, self.arc = path, window, 0.0

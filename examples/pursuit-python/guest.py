@@ -17,7 +17,7 @@ def number(task: Task, key: str) -> float:
     except (TypeError, ValueError):
         value = float("nan")
     if not isfinite(value):
-        # `Err` is how a planner gives a task up; any other exception is taken for a bug.
+        # `Err` aborts the task; any other exception counts as a bug.
         raise Err(f"parameter {key} is {text!r}; it must be a number")
     return value
 
@@ -44,10 +44,10 @@ class Planner(wit_world.exports.guest.Planner):
         if o.pose is None:
             raise Err("there is no pose")
         pose = o.pose
-        # No vehicle has such numbers. NaN is not below anything, so it is refused too.
+        # Rejects implausible numbers. Comparisons with NaN are false, so NaN is rejected, too.
         seen = (pose.position.x, pose.position.y, pose.yaw, pose.linear_velocity.x)
         if not all(abs(value) < 1e9 for value in seen):
-            raise Err(f"position, heading or speed makes no sense: {seen}")
+            raise Err(f"invalid position, heading or speed: {seen}")
         self.follower.update(pose.position.x, pose.position.y)
         x, y = self.follower.look_ahead(self.ahead)
         dx, dy = x - pose.position.x, y - pose.position.y

@@ -145,7 +145,7 @@ RELIABLE = [
 LIVE = Qos(*RELIABLE)
 LATCHED = Qos(*RELIABLE, Policy.Durability.TransientLocal)
 
-# Speed, m/s, and distance to the point that is steered for, m.
+# Speed, m/s, and look-ahead distance, m.
 SPEED = 3.0
 LOOK_AHEAD = 8.0
 # The clocks of two tasks are this far apart, s.
@@ -186,7 +186,7 @@ class Pursuit:
 
 
 def main():
-    """Drives all tasks that come, one after the other."""
+    """Runs all tasks, one after the other."""
     participant = DomainParticipant(args.domain)
 
     def reader(name, kind, qos):

@@ -1,19 +1,19 @@
-/* The planner interface of Verti-Bench in Rust for C and C++, version 0.2.
+/* The planner interface of Verti-Bench in Rust for C and C++, version 1.0.
  *
- * A planner is a shared library that exports one symbol, `vb_planner_entry`, and carries its metadata as text in the
- * section `.vb.planner`. The macros VB_PLANNER_METADATA and VB_PLANNER_EXPORT make both. docs/abi.md is the reference;
- * examples/pursuit-cpp is a whole planner.
+ * A planner is a shared library that exports one symbol, `vb_planner_entry`, and contains its metadata as text in the
+ * section `.vb.planner`. The macros VB_PLANNER_METADATA and VB_PLANNER_EXPORT generate both. docs/abi.md is the
+ * reference; examples/pursuit-cpp is a complete planner.
  *
  * Rules:
  * - SI units, angles in radians. World frame: origin at the world's centre, x east, y north, z up. Body frame
  *   (ISO 8855): x forward, y left, z up.
- * - Everything that the harness hands over is read-only, and valid during the call only. Text is UTF-8 and ends with 0.
- * - All functions are called from one thread. They return VB_OK for success; anything else ends the task, with the text
- *   that they put into the error. No C++ exception may leave them.
- * - A pointer may be NULL where the description says that something may be absent, and where a length beside it is 0.
- * - The structs are those of one version of the interface: both numbers of the version must agree.
- * - The library runs in a process of its own without files, network, threads or signal handlers, with the memory that
- *   the harness's limits give it. Link what is not part of the system statically.
+ * - Data from the harness are read-only, and valid only during the call. Text is UTF-8 and ends with 0.
+ * - All functions are called from one thread. They return VB_OK on success; other values end the task, with the text in
+ *   the error. C++ exceptions must not leave them.
+ * - Pointers to optional data, and pointers with a length of 0, may be NULL.
+ * - The structs apply to one version of the interface: major and minor version must match.
+ * - The library runs in a separate process without files, network, threads or signal handlers, within the memory limit
+ *   of the harness. Link libraries that are not part of the system statically.
  */
 #ifndef VB_PLANNER_H
 #define VB_PLANNER_H
@@ -28,9 +28,10 @@ extern "C" {
 #define VB_ABI_MAJOR 1
 #define VB_ABI_MINOR 0
 
-/* Room for the text of an error, with the 0 at its end. */
+/* Size of an error text, including the 0 at its end. */
 #define VB_ERROR_BYTES 1024
 
+/* Levels of the lines in a task's log. */
 enum {
     VB_LOG_ERROR = 0,
     VB_LOG_WARN = 1,
@@ -38,12 +39,12 @@ enum {
     VB_LOG_DEBUG = 3
 };
 
-/* What init and step return. */
+/* Return values of init and step. */
 enum {
     VB_OK = 0,
-    /* The planner gives up. */
+    /* The planner aborts the task. */
     VB_FAILED = 1,
-    /* The planner has a defect: an exception that nobody expected, say. */
+    /* The planner has a defect, e.g. an unexpected exception. */
     VB_PANICKED = 2
 };
 
@@ -132,8 +133,8 @@ typedef struct vb_vehicle {
     double max_steer_rate;
     /* The turning radius of the reference point at full lock on flat ground, m. */
     double min_turn_radius;
-    /* The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m,
-     * driving at full lock; 0 for a vehicle that is not steered by the speeds of its sides. */
+    /* The track of a slip-free differential drive with the same yaw rate at the same wheel speeds, at full lock, m;
+     * 0 for a vehicle without skid steering. */
     double effective_track;
     /* The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place. */
     double turn_rate_in_place;
@@ -164,17 +165,17 @@ typedef struct vb_grid_frame {
 
 /* Heights on a square grid. */
 typedef struct vb_height_map {
-    /* The places at which the samples lie. */
+    /* The positions of the samples. */
     vb_grid_frame frame;
-    /* The rows · cols heights of the ground in the world frame, m, row-major with row 0 in the south; NaN where the
-     * height is unknown. */
+    /* The rows · cols heights of the terrain in the world frame, m, row-major with row 0 in the south; NaN where
+     * the height is unknown. */
     const float *data;
     size_t data_len;
 } vb_height_map;
 
 /* Labels on a square grid. */
 typedef struct vb_label_map {
-    /* The places at which the samples lie. */
+    /* The positions of the samples. */
     vb_grid_frame frame;
     /* The rows · cols labels, row-major with row 0 in the south; 255 where the label is unknown. */
     const uint8_t *data;
@@ -203,12 +204,12 @@ typedef struct vb_mount {
 
 /* The spinning lidar of the vehicle. */
 typedef struct vb_lidar_info {
-    /* The duration of a turn, which is the interval between scans, s. */
+    /* The duration of a scan, which is one revolution, s. */
     double period;
     /* The number of beams: the rows of a scan, lowest first. */
     uint32_t rows;
-    /* The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / cols
-     * in the sensor's frame, counter-clockwise from straight ahead. */
+    /* The number of directions per revolution: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π
+     * / cols in the sensor's frame, counter-clockwise from straight ahead. */
     uint32_t cols;
     /* The elevation angle of the lowest beam above the sensor's horizon, rad. */
     double lowest;
@@ -218,7 +219,7 @@ typedef struct vb_lidar_info {
     double min_range;
     /* The maximum measured distance, m. */
     double max_range;
-    /* The place of the sensor on the vehicle. */
+    /* The pose of the sensor on the vehicle. */
     vb_mount mount;
 } vb_lidar_info;
 
@@ -238,7 +239,7 @@ typedef struct vb_depth_info {
     double max_depth;
     /* Whether the images have a label for each pixel. */
     uint8_t labels;
-    /* The place of the sensor on the vehicle. */
+    /* The pose of the sensor on the vehicle. */
     vb_mount mount;
 } vb_depth_info;
 
@@ -248,8 +249,8 @@ typedef struct vb_task {
     const char *id;
     /* The vehicle. */
     vb_vehicle vehicle;
-    /* The heights of the ground that the perception profile provides, m; absent if it provides none. NULL where it
-     * is absent. */
+    /* The terrain heights that the perception profile provides, m; absent if it provides none. NULL where it is
+     * absent. */
     const vb_height_map *elevation;
     /* The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5
      * rock, 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none. NULL where it is absent. */
@@ -328,9 +329,9 @@ typedef struct vb_gnss_fix {
     vb_vec3 position;
 } vb_gnss_fix;
 
-/* A turn of the lidar. */
+/* A scan of the lidar: one revolution. */
 typedef struct vb_lidar_scan {
-    /* The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / cols) · period before,
+    /* The simulated time at the end of the scan, s. Column c was measured (1 − (c + 1/2) / cols) · period before,
      * while the vehicle moved. */
     double time;
     /* The rows · cols measured distances, m, row-major; 0 without an echo. */
@@ -351,16 +352,16 @@ typedef struct vb_depth_image {
     size_t labels_len;
 } vb_depth_image;
 
-/* The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in
- * its middle, and its axes are those of the world frame, up to the error of the estimate. */
+/* The local map, built from lidar and depth camera at the estimated pose. The vehicle is at its centre, and its
+ * axes are those of the world frame, up to the error of the estimate. */
 typedef struct vb_local_map {
     /* The simulated time of the last update, s. */
     double time;
-    /* The heights of the ground, m; NaN where they are unknown. */
+    /* The terrain heights, m; NaN for unknown cells. */
     vb_height_map elevation;
-    /* The terrain classes, with the numbers of the task's semantics; 255 where they are unknown. */
+    /* The terrain classes, with the numbers of the task's semantics; 255 for unknown cells. */
     vb_label_map semantics;
-    /* 1 for obstacles, 0 for ground, 255 where it is unknown. */
+    /* 1 for obstacles, 0 for free cells, 255 for unknown cells. */
     vb_label_map occupancy;
 } vb_local_map;
 
@@ -379,18 +380,17 @@ typedef struct vb_observation {
     size_t imu_len;
     /* The last GNSS position (gnss). NULL where it is absent. */
     const vb_gnss_fix *gnss;
-    /* The last turn of the lidar (lidar). NULL where it is absent. */
+    /* The last scan of the lidar (lidar). NULL where it is absent. */
     const vb_lidar_scan *lidar;
     /* The last image of the depth camera (depth). NULL where it is absent. */
     const vb_depth_image *depth;
-    /* The map of the surroundings (local_map). NULL where it is absent. */
+    /* The local map (local_map). NULL where it is absent. */
     const vb_local_map *local_map;
     /* The engaged gear; neutral during a change of direction. One of VB_GEAR_…. */
     uint32_t gear;
     /* The engine speed, rad/s. */
     double engine_speed;
-    /* The present steering of the wheels, which follows the command at max_steer_rate, in [-1, 1], positive to the
-     * left. */
+    /* The current wheel steering, which follows the command at max_steer_rate, in [-1, 1], positive to the left. */
     double steering;
     /* The steering command applied until now, after clamping; 0 at first. */
     double last_steering;
@@ -400,7 +400,7 @@ typedef struct vb_observation {
     double last_brake;
 } vb_observation;
 
-/* Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost. */
+/* Numbers that the harness records with the trajectory, e.g. rollouts or costs. */
 typedef struct vb_series {
     /* The name of the series, constant over a task. */
     const char *name;
@@ -427,28 +427,35 @@ typedef struct vb_command {
 
 /* end of data */
 
+/* Room for the reason of a failure. */
 typedef struct vb_error {
+    /* UTF-8 text that ends with 0. */
     char message[VB_ERROR_BYTES];
 } vb_error;
 
-/* What the harness offers during a call. */
+/* The functions of the harness during a call. */
 typedef struct vb_host {
+    /* The first argument of `log`. */
     void *context;
-    /* Appends a line to the task's log; `context` is the one above. */
+    /* Appends a line to the task's log; pass the `context` above. */
     void (*log)(void *context, uint32_t level, const char *message);
 } vb_host;
 
+/* The functions of a planner. VB_PLANNER_EXPORT sets the first three fields. */
 typedef struct vb_planner_functions {
+    /* The size of this struct, bytes. */
     size_t size;
+    /* VB_ABI_MAJOR. */
     uint32_t abi_major;
+    /* VB_ABI_MINOR. */
     uint32_t abi_minor;
-    /* Makes a planner for a task. */
+    /* Creates a planner for a task. */
     int32_t (*init)(const vb_task *task, const vb_host *host, void **planner, vb_error *error);
-    /* One step of it. The command is all zero when it is called, and what it points to must stay valid until the next call.
-     * After a failure only `free` is called. */
+    /* Runs one step. The command is all zero on entry, and its pointers must stay valid until the next call. After a
+     * failure only `free` is called. */
     int32_t (*step)(void *planner, const vb_observation *observation, const vb_host *host, vb_command *command,
                     vb_error *error);
-    /* Ends it; called once for every init that succeeded. */
+    /* Frees the planner; called once for every successful init. */
     void (*free)(void *planner);
 } vb_planner_functions;
 
@@ -461,7 +468,7 @@ typedef struct vb_planner_functions {
 #if defined(__APPLE__)
 #define VB_SECTION __attribute__((used, section("__DATA,__vb_planner")))
 #else
-/* What nobody uses stays, even for a linker that is told to drop it (-Wl,--gc-sections). */
+/* The section is kept although it is unused, also with -Wl,--gc-sections. */
 #if defined(__ELF__) && defined(__has_attribute)
 #if __has_attribute(retain)
 #define VB_SECTION __attribute__((used, retain, section(".vb.planner")))
@@ -475,29 +482,30 @@ typedef struct vb_planner_functions {
 #define VB_TEXT_(x) #x
 #define VB_TEXT(x) VB_TEXT_(x)
 
-/* A parameter, for the last argument of VB_PLANNER_METADATA; write several one after the other, or "" for none. */
+/* A parameter, for the last argument of VB_PLANNER_METADATA; concatenate several, or pass "" for none. */
 #define VB_PARAM(key, default_value, help) "param: " key "\ndefault: " default_value "\nhelp: " help "\n"
 
-/* A sensor to be read, in the same argument: VB_NEED("lidar 10") for ten times a second, VB_NEED("lidar") for as often
- * as the perception profile says; pose and wheel-odometry come at every step then. A planner without any gets these two.
- * VB_NEED_WITHOUT_MAPS asks for a sensor only where the profile leaves out one of the task's maps. */
+/* A requested sensor, in the same argument: VB_NEED("lidar 10") for 10 Hz, VB_NEED("lidar") for the rate of the
+ * perception profile, which for pose and wheel-odometry is every step. A planner without VB_NEED gets these two.
+ * VB_NEED_WITHOUT_MAPS requests a sensor only for tasks in which the profile omits a map. */
 #define VB_NEED(sensor) "need: " sensor "\n"
 #define VB_NEED_WITHOUT_MAPS(sensor) "need-without-maps: " sensor "\n"
 
-/* Learned weights in the library, with their hash, in the same argument. */
+/* Learned weights embedded in the library, with their hash, in the same argument. */
 #define VB_MODEL(text) "model: " text "\n"
 
-/* The metadata, all arguments string literals without line breaks or backslashes: name (a-z, 0-9, - and _), version,
- * authors (separated by colons), one sentence about it, control period in seconds (a multiple of 0.001), parameters
- * and whatever else stands in lines of its own (VB_PARAM, VB_NEED, VB_NEED_WITHOUT_MAPS, VB_MODEL). */
+/* The metadata. All arguments are string literals without line breaks or backslashes: name (a-z, 0-9, - and _), version,
+ * authors (separated by colons), one-sentence description, control period in seconds (a multiple of 0.001), and the
+ * concatenated parameters, sensors and models (VB_PARAM, VB_NEED, VB_NEED_WITHOUT_MAPS, VB_MODEL). */
 #define VB_PLANNER_METADATA(name, version, authors, about, control_period, params)                              \
     VB_SECTION static const char vb_planner_metadata[] =                                                         \
         "abi: " VB_TEXT(VB_ABI_MAJOR) "." VB_TEXT(VB_ABI_MINOR) "\nname: " name "\nversion: " version            \
         "\nauthors: " authors "\nabout: " about "\ncontrol-period: " control_period "\n" params
 
-/* The one symbol that the harness looks for. */
+/* The symbol that the harness loads. */
 extern VB_EXPORT const vb_planner_functions vb_planner_entry;
 
+/* Exports a planner of these functions; once in a library, at file level. */
 #define VB_PLANNER_EXPORT(init_function, step_function, free_function)                                           \
     const vb_planner_functions vb_planner_entry = {                                                              \
         sizeof(vb_planner_functions), VB_ABI_MAJOR, VB_ABI_MINOR, init_function, step_function, free_function}

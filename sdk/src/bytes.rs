@@ -1,4 +1,4 @@
-//! Samples as bytes, least significant first, so that any language reads a map or a scan at once.
+//! Samples as little-endian bytes, readable from any language.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -6,11 +6,11 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::Serializer;
 
-/// A kind of sample.
+/// A sample type.
 pub(crate) trait Sample: Copy + for<'de> Deserialize<'de> {
     /// The bytes of these samples.
     fn to_bytes(samples: &[Self]) -> Vec<u8>;
-    /// The samples of these bytes; what is left at the end is dropped.
+    /// Decodes samples; trailing bytes are ignored.
     fn from_bytes(bytes: &[u8]) -> Vec<Self>;
 }
 
@@ -38,7 +38,7 @@ pub(crate) fn serialize<T: Sample, S: Serializer>(samples: &[T], serializer: S) 
     serializer.serialize_bytes(&T::to_bytes(samples))
 }
 
-/// Reads bytes, or a list of numbers, which is easier to write in other languages.
+/// Deserialises bytes, or a list of numbers, which is easier to write in other languages.
 pub(crate) fn deserialize<'de, T: Sample, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     struct Samples<T>(PhantomData<T>);
     impl<'de, T: Sample> Visitor<'de> for Samples<T> {
@@ -53,7 +53,7 @@ pub(crate) fn deserialize<'de, T: Sample, D: Deserializer<'de>>(deserializer: D)
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
-            // A length that is claimed is not believed: memory is taken as numbers come.
+            // Memory is allocated as numbers arrive, not from the claimed length.
             let mut samples = Vec::new();
             while let Some(sample) = list.next_element()? {
                 samples.push(sample);

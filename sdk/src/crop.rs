@@ -1,8 +1,8 @@
-//! Windows of the elevation map that turn with the vehicle.
+//! Crops of the elevation map that rotate with the vehicle.
 
 use crate::{Map, Pose2, math};
 
-/// The shape of a window, in body axes.
+/// The shape of a crop, in body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// The number of samples along the body's x axis, from the rear to the front.
@@ -11,12 +11,12 @@ pub struct Window {
     pub cols: usize,
     /// The distance between neighbouring samples, m.
     pub resolution: f64,
-    /// The distance by which the middle of the window lies ahead of the pose, m.
+    /// The distance from the pose to the centre of the window, m, positive ahead.
     pub ahead: f64,
 }
 
 impl Window {
-    /// The place of sample (row, col) in body axes: metres forward and metres to the left. Row 0 is the rearmost and
+    /// The position of sample (row, col) in body axes: metres forward and metres to the left. Row 0 is the rearmost and
     /// column 0 the rightmost, so both count along the axes.
     #[must_use]
     pub fn body_position(&self, row: usize, col: usize) -> (f64, f64) {
@@ -25,20 +25,20 @@ impl Window {
     }
 }
 
-/// The ground within a window. Each list is row-major and has `rows * cols` samples.
+/// The terrain within a window. Each list is row-major and has `rows * cols` samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Crop {
     /// The heights in the world frame, m.
     pub height: Vec<f32>,
-    /// The slopes along the body's x axis, m/m: positive where the ground rises ahead.
+    /// The slopes along the body's x axis, m/m: positive if the terrain rises ahead.
     pub slope_forward: Vec<f32>,
-    /// The slopes along the body's y axis, m/m: positive where the ground rises to the left.
+    /// The slopes along the body's y axis, m/m: positive if the terrain rises to the left.
     pub slope_left: Vec<f32>,
 }
 
 impl Map<f32> {
-    /// Returns the ground in a window around a pose (world frame), triangulated as in [`Map::ground`]. Beyond the map,
-    /// the planes of its edge cells go on.
+    /// Returns the terrain in a window around a pose (world frame), triangulated as in [`Map::ground`]. Outside the
+    /// map, the planes of its edge cells are extended.
     ///
     /// # Panics
     /// Panics if the map has fewer than 2 × 2 samples.

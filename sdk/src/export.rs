@@ -1,6 +1,6 @@
-//! The macro that turns a planner into a plugin.
+//! The macro that exports a planner as a plugin.
 
-/// Exports a [`Planner`](crate::Planner) as a plugin, of either kind.
+/// Exports a [`Planner`](crate::Planner) as a plugin, WASM or native.
 ///
 /// ```
 /// # use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
@@ -17,13 +17,12 @@
 ///     params: { speed: 3.0 => "target speed, m/s" }
 /// }
 /// ```
-///
-/// `name` may hold `a-z`, `0-9`, `-` and `_`; `control_period` is in seconds, a multiple of 0.001; `params` may be
-/// left out. `needs: { pose, lidar: 10, local_map: 5 }` after them asks for sensors and says how many times a second they
-/// are to be read (a rate that divides 100); a planner that asks for nothing gets pose and wheels at every step.
-/// `without_maps: { local_map: 10 }` asks for more where the perception profile leaves out one of the task's maps.
-/// `models: [..]` names learned weights, constant texts with hashes, so that a file tells what it has learned from. Version and
-/// authors are those of the crate. Invoke it once in a crate.
+/// `name` may contain `a-z`, `0-9`, `-` and `_`. `control_period` is in seconds, a multiple of 0.001. `params` is
+/// optional. `needs: { pose, lidar: 10, local_map: 5 }` after it requests sensors with their rates, Hz (divisors of
+/// 100); by default a planner receives pose and wheel odometry in every step. `without_maps: { local_map: 10 }`
+/// requests additional sensors for tasks in which the perception profile omits a map. `models: [..]` names learned
+/// weights and their hashes, as constant texts. Version and authors are those of the crate. Invoke the macro once per
+/// crate.
 #[macro_export]
 macro_rules! export_planner {
     (

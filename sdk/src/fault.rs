@@ -1,23 +1,23 @@
-//! Fault codes: stable names of everything that can end a task or refuse a plugin, and who is to blame.
+//! Fault codes: stable names of all errors that can end a task or reject a plugin, with their origin.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// The part that is to blame for a fault.
+/// The origin of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
-    /// The planner is to blame: its task counts as failed.
+    /// The planner: the task counts as failed.
     Planner,
-    /// The harness or the machine is to blame: the task counts for nothing and can be run again.
+    /// The harness or the machine: the task is not scored and can be re-run.
     Host,
-    /// The simulation is to blame: it fails alike on every machine, so the task counts as failed, but apart.
+    /// The simulation: it fails identically on every machine, so the task counts as failed, but is reported separately.
     Simulation,
 }
 
 macro_rules! codes {
     ($($(#[$doc:meta])* $variant:ident = $name:literal, $blame:ident;)*) => {
-        /// The cause of a fault, by a name that is the same in all versions. `docs/abi.md` has the table. Records,
-        /// messages and serde have it as text.
+        /// The cause of a fault, with a name that is constant across versions. `docs/abi.md` contains the table.
+        /// Records, messages and serde use the name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         #[non_exhaustive]
         pub enum FaultCode {
@@ -36,7 +36,7 @@ macro_rules! codes {
                 }
             }
 
-            /// The part that is to blame.
+            /// The origin of the fault.
             #[must_use]
             pub fn blame(self) -> Blame {
                 match self {
@@ -56,51 +56,51 @@ codes! {
     Error = "planner/error", Planner;
     /// `init` returned an error.
     InitFailed = "planner/init-failed", Planner;
-    /// A call, or the task, used up its fuel.
+    /// A call, or the task, exceeded its fuel limit.
     OutOfFuel = "planner/out-of-fuel", Planner;
-    /// The planner was refused memory or table elements and gave up.
+    /// The planner exceeded its limit of memory or table elements.
     OutOfMemory = "planner/out-of-memory", Planner;
-    /// The planner's calls are nested too deeply.
+    /// The call stack of the planner overflowed.
     StackOverflow = "planner/stack-overflow", Planner;
-    /// The planner gave a command that is not a number, or a result that is too large.
+    /// The command of the planner is not finite, or its result is too large.
     InvalidOutput = "planner/invalid-output", Planner;
-    /// The planner used something that planners don't get.
+    /// The planner used an unsupported import or system call.
     ImportDenied = "planner/import-denied", Planner;
-    /// The plugin was built for another version of the interface, or lays its data out in another way.
+    /// The plugin was built for another interface version, or has another data layout.
     AbiMismatch = "planner/abi-mismatch", Planner;
-    /// The process of a native or command planner died.
+    /// The process of a native or command planner exited.
     Crashed = "planner/crashed", Planner;
-    /// A native or command planner didn't answer in time.
+    /// A native or command planner exceeded its response time limit.
     Hung = "planner/hung", Planner;
-    /// A native or command planner sent something that the protocol doesn't know.
+    /// A native or command planner violated the protocol.
     Protocol = "planner/protocol", Planner;
-    /// There is no such plugin file.
+    /// The plugin file does not exist.
     NotFound = "planner/not-found", Planner;
-    /// The plugin file can't be read.
+    /// The plugin file cannot be read.
     Unreadable = "planner/unreadable", Planner;
     /// The file is not a planner plugin.
     NotAPlugin = "planner/not-a-plugin", Planner;
     /// The plugin file is truncated or damaged.
     Damaged = "planner/damaged", Planner;
-    /// The plugin's metadata can't be read.
+    /// The plugin's metadata is invalid.
     Metadata = "planner/metadata", Planner;
-    /// The plugin file, or something in it, is larger than it may be.
+    /// The plugin file, or a part of it, exceeds its size limit.
     TooLarge = "planner/too-large", Planner;
-    /// Compiling the plugin takes more memory or processor time than it may.
+    /// Compiling the plugin exceeds the limit of memory or processor time.
     TooCostly = "planner/too-costly", Planner;
-    /// The engine or the system refuses the plugin's code.
+    /// The engine or the system rejects the plugin's code.
     Unloadable = "planner/unloadable", Planner;
-    /// The operating system refused what the host needs.
+    /// The operating system denied a resource to the host.
     Machine = "host/machine", Host;
-    /// A WASM call took too much wall-clock time for its fuel.
+    /// A WASM call exceeded the wall-clock limit.
     Watchdog = "host/watchdog", Host;
-    /// The process for a native planner can't be started or confined.
+    /// The process of a native planner cannot be started or sandboxed.
     Worker = "host/worker", Host;
     /// The harness panicked.
     HostPanic = "host/panic", Host;
     /// The simulation can't be set up for the task.
     Simulation = "host/simulation", Simulation;
-    /// The simulation left the numbers that a state can have.
+    /// The simulation state is not finite.
     Diverged = "host/diverged", Simulation;
 }
 
@@ -113,10 +113,10 @@ impl fmt::Display for FaultCode {
 impl FromStr for FaultCode {
     type Err = String;
 
-    /// The code of this name.
+    /// Parses a code.
     ///
     /// # Errors
-    /// Returns a message if there is no such code.
+    /// Returns a message for an unknown code.
     fn from_str(name: &str) -> Result<Self, String> {
         let code = Self::ALL.iter().find(|code| code.name() == name);
         code.copied().ok_or_else(|| format!("there is no fault code {name:?}"))

@@ -1,15 +1,15 @@
-//! The things that a planner author needs: the planner trait, its data, and helpers.
+//! SDK for planner authors: the planner trait, its data types, and helpers.
 //!
-//! A planner implements [`Planner`] and is exported by [`export_planner!`]. The same source builds both kinds of plugin:
-//! a WebAssembly module (`cargo build --release --target wasm32-unknown-unknown`) and a native library
-//! (`cargo build --release`). `docs/writing-a-planner.md` goes from nothing to a scored planner.
+//! A planner implements [`Planner`] and is exported with [`export_planner!`]. The same source builds both kinds of
+//! plugin: a WebAssembly module (`cargo build --release --target wasm32-unknown-unknown`) and a native library
+//! (`cargo build --release`). `docs/writing-a-planner.md` is a tutorial.
 //!
 //! Units are SI, and angles are in radians. The world frame has its origin at the world's centre, x east, y north and z
 //! up. The body frame (ISO 8855) has x forward, y left and z up.
 //!
-//! The same planner must give the same commands as WASM and natively, bit for bit. `+ - * /` and `sqrt` do by
-//! IEEE 754; everything else (`sin`, `exp`, …) must come from [`math`], since the standard library calls the
-//! platform's own functions.
+//! A planner must return bit-identical commands as WASM and natively. `+ - * /` and `sqrt` are exact (IEEE 754); all
+//! other functions (`sin`, `exp`, …) must come from [`math`], because the standard library calls the platform's
+//! functions.
 
 #![deny(missing_docs)]
 
@@ -46,10 +46,10 @@ pub use log::{LogLevel, log};
 pub use planner::{Planner, PlannerError};
 pub use types::*;
 
-/// The version of the planner interface that this SDK speaks: major.minor of the package `vertibench:planner`.
+/// The version of the planner interface in this SDK: major.minor of the package `vertibench:planner`.
 pub const ABI_VERSION: &str = "1.0";
 
-// What `export_planner!` names in the crate of the planner.
+// Items that `export_planner!` uses in the planner's crate.
 #[cfg(not(target_family = "wasm"))]
 #[doc(hidden)]
 pub use abi_stable as __abi_stable;

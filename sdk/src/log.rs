@@ -1,19 +1,19 @@
-//! Lines for the harness's task log.
+//! Lines of the task log.
 
-/// The importance of a log line.
+/// The severity of a log line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LogLevel {
-    /// Something failed.
+    /// A failure.
     Error,
-    /// Something is odd.
+    /// A possible problem.
     Warn,
-    /// Something is worth knowing.
+    /// An action of the planner.
     Info,
-    /// Something is of use to the planner's author only.
+    /// A detail for the planner's author.
     Debug,
 }
 
-/// Appends a line to the task's log. It does nothing outside a call of the harness, e.g. in unit tests.
+/// Appends a line to the task's log. It has no effect outside a call of the harness, e.g. in unit tests.
 pub fn log(level: LogLevel, message: &str) {
     #[cfg(target_family = "wasm")]
     crate::wasm::log(level, message);

@@ -1,4 +1,4 @@
-//! Looking up values in maps. Places are given in the world frame: x east, y north, in m.
+//! Map lookup. Positions are in the world frame: x east, y north, in m.
 
 use crate::GridFrame;
 
@@ -10,14 +10,14 @@ use crate::GridFrame;
     serde(bound = "T: crate::bytes::Sample")
 )]
 pub struct Map<T> {
-    /// The places at which the samples lie.
+    /// The positions of the samples.
     pub frame: GridFrame,
     /// The `rows * cols` samples, row-major, with row 0 in the south.
     #[cfg_attr(feature = "serde", serde(with = "crate::bytes"))]
     pub data: Vec<T>,
 }
 
-/// The ground at a point.
+/// The terrain at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ground {
     /// The height above the world frame's origin, m.
@@ -41,14 +41,14 @@ impl GridFrame {
         ((y - self.origin_y) / self.resolution, (x - self.origin_x) / self.resolution)
     }
 
-    /// Tells whether (x, y) lies within the rectangle of the outermost samples, its border included.
+    /// Whether (x, y) is within the rectangle of the outermost samples, including its border.
     #[must_use]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let (r, c) = self.fractional(x, y);
         r >= 0.0 && c >= 0.0 && r <= f64::from(self.rows) - 1.0 && c <= f64::from(self.cols) - 1.0
     }
 
-    /// Tells whether (x, y) lies within one of the squares with sides of `resolution` around the samples.
+    /// Whether (x, y) is within one of the squares of side `resolution` around the samples.
     #[must_use]
     pub fn covers(&self, x: f64, y: f64) -> bool {
         let (r, c) = self.fractional(x, y);
@@ -60,29 +60,29 @@ impl<T: Copy> Map<T> {
     /// The value of the sample (row, col).
     ///
     /// # Panics
-    /// Panics if there is no such sample.
+    /// Panics if the sample does not exist.
     #[must_use]
     pub fn at(&self, row: u32, col: u32) -> T {
         assert!(row < self.frame.rows && col < self.frame.cols, "no sample ({row}, {col})");
         self.data[row as usize * self.frame.cols as usize + col as usize]
     }
 
-    /// The value of the sample nearest to (x, y); beyond the edge, that of the nearest sample of the edge.
+    /// The value of the sample nearest to (x, y); outside the map, the nearest sample at the edge.
     ///
     /// # Panics
     /// Panics if the map is empty.
     #[must_use]
     pub fn nearest(&self, x: f64, y: f64) -> T {
         let (r, c) = self.frame.fractional(x, y);
-        // The cast saturates, so anything below 0 and NaN give 0.
+        // The cast saturates: values below 0 and NaN become 0.
         let index = |v: f64, n: u32| ((v + 0.5).max(0.0) as u32).min(n.saturating_sub(1));
         self.at(index(r, self.frame.rows), index(c, self.frame.cols))
     }
 }
 
 impl Map<f32> {
-    /// The cell that holds (x, y), its position in it, and its corners' heights in the order south-west, south-east,
-    /// north-west, north-east. Beyond the edge, that of the edge cell.
+    /// The cell that contains (x, y), the position within it, and its corner heights in the order south-west,
+    /// south-east, north-west, north-east. Outside the map, the nearest edge cell.
     fn cell(&self, x: f64, y: f64) -> (f64, f64, [f64; 4]) {
         let frame = &self.frame;
         assert!(frame.rows >= 2 && frame.cols >= 2, "a surface takes at least 2 x 2 samples");
@@ -93,9 +93,9 @@ impl Map<f32> {
         (c - f64::from(col), r - f64::from(row), [z(0, 0), z(0, 1), z(1, 0), z(1, 1)])
     }
 
-    /// The height and the slope of the ground at (x, y), as the simulator has it: each cell is cut into two triangles
-    /// along the diagonal from its south-west to its north-east corner. Beyond the edge, the planes of the edge cells
-    /// go on; [`GridFrame::contains`] tells whether (x, y) is within it.
+    /// The height and the slope of the terrain at (x, y), as in the simulator: each cell consists of two triangles
+    /// along the diagonal from its south-west to its north-east corner. Outside the map, the planes of the edge cells
+    /// are extended; [`GridFrame::contains`] reports whether (x, y) is on the map.
     ///
     /// # Panics
     /// Panics if there are fewer than 2 × 2 samples.
@@ -107,8 +107,8 @@ impl Map<f32> {
         Ground { z: sw + gu * u + gv * v, dzdx: gu / resolution, dzdy: gv / resolution }
     }
 
-    /// The height at (x, y) by bilinear interpolation, m: it is smoother than the true ground and equal to it at the
-    /// samples. Beyond the edge it is the height at the nearest point of the edge.
+    /// The height at (x, y) by bilinear interpolation, m: smoother than the terrain of the simulator, and equal to it
+    /// at the samples. Outside the map, the height at the nearest point of the edge.
     ///
     /// # Panics
     /// Panics if there are fewer than 2 × 2 samples.

@@ -1,12 +1,12 @@
-//! What a plugin says about itself, readable without running it.
+//! Plugin metadata, readable without running the plugin.
 //!
-//! [`export_planner!`](crate::export_planner) puts a text into a section of the file: the custom section
-//! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8, one
-//! `key: value` a line, with `\\`, `\n` and `\r` escaped by a backslash. `param` begins a parameter, to which the
-//! `default` and `help` that follow belong. `need` names a sensor and may say how often it is to be read, in Hz: `need: lidar
-//! 10`; a planner without a need gets [`Need::DEFAULT`]. `need-without-maps` does the same for sensors that it needs only where
-//! the perception profile leaves out one of the task's maps. `model` names learned weights that the planner has, with their hash and
-//! those of what they were learned from. Unknown keys are ignored, so later versions may add some.
+//! [`export_planner!`](crate::export_planner) writes a text into a section of the file: the custom section
+//! [`WASM_SECTION`] of the core WASM module, or the section [`ELF_SECTION`] of a native library. It is UTF-8 with one
+//! `key: value` per line, in which `\\`, `\n` and `\r` are escaped by a backslash. `param` begins a parameter, to which
+//! the following `default` and `help` belong. `need` names a sensor and optionally its rate, Hz: `need: lidar 10`; a
+//! planner without `need` gets [`Need::DEFAULT`]. `need-without-maps` requests additional sensors for tasks in which
+//! the perception profile omits a map. `model` names learned weights with their hash and the hashes of their training
+//! data. Unknown keys are ignored, so that later versions can add keys.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub const ELF_SECTION: &str = ".vb.planner";
 /// The name of the section of a native plugin in Mach-O.
 pub const MACHO_SECTION: &str = "__vb_planner";
 
-/// What a plugin says about itself.
+/// The metadata of a plugin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
     /// The version of the planner interface, e.g. `0.1`.
@@ -28,25 +28,23 @@ pub struct Metadata {
     pub version: String,
     /// The authors of the planner's package.
     pub authors: Vec<String>,
-    /// One sentence on what the planner does.
+    /// A one-sentence description of the planner.
     pub about: String,
-    /// The wanted time between two steps, s: a multiple of 1 ms.
+    /// The control period, s: a multiple of 1 ms.
     pub control_period: f64,
-    /// The parameters that a user may set.
+    /// The parameters.
     pub params: Vec<ParamSpec>,
-    /// The sensors that the planner asks for, as it declares them. It is empty for planners that want the default, as
-    /// [`Metadata::sensors`] gives it.
+    /// The declared sensors. Empty for planners with the default sensors ([`Metadata::sensors`]).
     pub needs: Vec<Need>,
-    /// The sensors that it asks for in addition where the perception profile leaves out one of the task's maps.
+    /// Additional sensors for tasks in which the perception profile omits a map.
     pub needs_without_maps: Vec<Need>,
-    /// The learned weights that the planner has, each with its hash and those of what it was learned from.
+    /// The embedded learned weights, each with its hash and the hashes of its training data.
     pub models: Vec<String>,
 }
 
 macro_rules! sensors {
     ($($(#[$doc:meta])* $variant:ident = $name:literal;)*) => {
-        /// A sensor that a planner may ask for. What it measures is described with the field of
-        /// [`Observation`](crate::Observation) of its name.
+        /// A sensor. The field of [`Observation`](crate::Observation) with its name documents the measurement.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Sensor {
             $($(#[$doc])* $variant,)*
@@ -72,63 +70,62 @@ sensors! {
     Pose = "pose";
     /// The inertial measurement unit.
     Imu = "imu";
-    /// The spins and travels of the wheels.
+    /// Angular velocity and suspension travel of the wheels.
     WheelOdometry = "wheel-odometry";
-    /// The position from satellites.
+    /// The GNSS position.
     Gnss = "gnss";
     /// The spinning lidar.
     Lidar = "lidar";
     /// The depth camera.
     Depth = "depth";
-    /// The map of the surroundings, built from lidar and depth camera.
+    /// The local map, built from lidar and depth camera.
     LocalMap = "local-map";
 }
 
 impl Sensor {
-    /// The sensor of this name; `None` if there is none.
+    /// The sensor with this name; `None` for an unknown name.
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|sensor| sensor.name() == name)
     }
 }
 
-/// A sensor that a planner asks for.
+/// A requested sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
     /// The sensor.
     pub sensor: Sensor,
-    /// How often it is to be read, Hz; `None` for as often as the profile says, or at every step of the planner for pose
-    /// and wheels.
+    /// Its rate, Hz; `None` for the rate of the perception profile, or every step for pose and wheel odometry.
     pub rate: Option<f64>,
 }
 
 impl Need {
-    /// What a planner gets that declares no need.
+    /// The sensors of a planner that requests none.
     pub const DEFAULT: &[Self] =
         &[Self { sensor: Sensor::Pose, rate: None }, Self { sensor: Sensor::WheelOdometry, rate: None }];
 
-    /// Adds a need to a list, in which each sensor is once.
+    /// Adds a need to a list without duplicates.
     ///
     /// # Errors
-    /// Returns a text that says what is wrong: as [`Need::parse`] does, or that the sensor is there already.
+    /// Returns a text for the errors of [`Need::parse`], and for a duplicate sensor.
     pub fn add(list: &mut Vec<Self>, text: &str) -> Result<(), String> {
         let need = Self::parse(text)?;
         if list.iter().any(|n| n.sensor == need.sensor) {
-            return Err(format!("{} is asked for twice", need.sensor.name()));
+            return Err(format!("{} is requested twice", need.sensor.name()));
         }
         list.push(need);
         Ok(())
     }
 
-    /// Reads `lidar` or `lidar 10`. Underscores may stand for hyphens, since names in Rust have none.
+    /// Parses `lidar` or `lidar 10`. Underscores are accepted in place of hyphens, because Rust names contain none.
     ///
     /// # Errors
-    /// Returns a text that says what is wrong and what there is.
+    /// Returns a text with the error and the valid values.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (name, rate) = text.split_once(' ').map_or((text, None), |(name, rate)| (name, Some(rate)));
         let sensor = Sensor::find(&name.replace('_', "-")).ok_or_else(|| {
             let known: Vec<&str> = Sensor::ALL.iter().map(|s| s.name()).collect();
-            format!("there is no sensor `{name}`; there are {}", known.join(", "))
+            format!("unknown sensor `{name}`; sensors: {}", known.join(", "))
         })?;
         let rate = match rate.map(str::trim) {
             None => None,
@@ -136,7 +133,7 @@ impl Need {
                 Ok(rate) if is_rate(rate) => Some(rate),
                 _ => {
                     return Err(format!(
-                        "{name} can't be read {text} times a second; want a rate that divides 100, e.g. 100, 20, 10 or 5"
+                        "the rate `{text}` of {name} must be a divisor of 100 Hz, e.g. 100, 20, 10 or 5"
                     ));
                 }
             },
@@ -154,8 +151,7 @@ impl fmt::Display for Need {
     }
 }
 
-/// Tells whether a sensor can be read at this rate, Hz: the period must be a multiple of the 10 ms between the samples of a
-/// trial.
+/// Whether a sensor supports this rate, Hz: the period must be a multiple of the sample interval of 10 ms.
 #[must_use]
 pub fn is_rate(rate: f64) -> bool {
     let samples = 100.0 / rate;
@@ -163,18 +159,18 @@ pub fn is_rate(rate: f64) -> bool {
     (1.0..1e6).contains(&nearest) && (samples - nearest).abs() < 1e-6
 }
 
-/// A parameter that a planner declares.
+/// A declared parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParamSpec {
     /// The name of the parameter.
     pub key: String,
-    /// The value that holds when the user sets none.
+    /// The default value.
     pub default: String,
-    /// What the parameter means, with its unit.
+    /// The meaning of the parameter, with its unit.
     pub help: String,
 }
 
-/// The reason why a metadata text can't be read.
+/// The reason why a metadata text is invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MetadataError {
     /// The text is not UTF-8.
@@ -183,17 +179,17 @@ pub enum MetadataError {
     BadLine {
         /// The number of the line, counted from 1.
         line: usize,
-        /// The line as it stands in the text.
+        /// The content of the line.
         text: String,
     },
-    /// The planner asks for a sensor that there isn't, or too often, or twice.
+    /// The requested sensor does not exist, has an invalid rate, or is a duplicate.
     BadNeed {
         /// The number of the line, counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The error.
         reason: String,
     },
-    /// A key that must be there is missing.
+    /// A required key is missing.
     Missing {
         /// The name of the missing key.
         key: &'static str,
@@ -205,7 +201,7 @@ impl fmt::Display for MetadataError {
         match self {
             Self::NotUtf8 => write!(f, "it is not UTF-8"),
             Self::BadLine { line, text } => write!(f, "line {line} is `{text}`"),
-            Self::BadNeed { line, reason } => write!(f, "line {line} asks for a sensor: {reason}"),
+            Self::BadNeed { line, reason } => write!(f, "line {line} requests a sensor: {reason}"),
             Self::Missing { key } => write!(f, "`{key}` is missing"),
         }
     }
@@ -214,7 +210,7 @@ impl fmt::Display for MetadataError {
 impl std::error::Error for MetadataError {}
 
 impl Metadata {
-    /// The text of the section, which [`parse`](Self::parse) reads. The authors' names must not hold a colon.
+    /// The text of the section, as read by [`parse`](Self::parse). Authors' names must not contain a colon.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
@@ -245,8 +241,8 @@ impl Metadata {
         text
     }
 
-    /// The sensors that the planner gets: those that it needs, or [`Need::DEFAULT`], and those that it needs without maps if
-    /// the perception profile doesn't give all maps.
+    /// The sensors that the planner receives: its needs, or [`Need::DEFAULT`], plus those for missing maps if the
+    /// perception profile omits a map.
     #[must_use]
     pub fn sensors(&self, all_maps: bool) -> Vec<Need> {
         let mut needs = if self.needs.is_empty() { Need::DEFAULT.to_vec() } else { self.needs.clone() };
@@ -260,10 +256,10 @@ impl Metadata {
         needs
     }
 
-    /// Reads the text of the section.
+    /// Parses the text of the section.
     ///
     /// # Errors
-    /// Returns an error if the text is not the one that [the module](self) describes.
+    /// Returns an error for a text that violates the format of [the module](self).
     pub fn parse(bytes: &[u8]) -> Result<Self, MetadataError> {
         let text = std::str::from_utf8(bytes).map_err(|_| MetadataError::NotUtf8)?;
         let (mut abi, mut name, mut version, mut period) = (None, None, None, None);
@@ -278,7 +274,7 @@ impl Metadata {
                 "abi" => abi = Some(value),
                 "name" => name = Some(Some(value).filter(|name| is_name(name)).ok_or_else(bad)?),
                 "version" => version = Some(value),
-                // Cargo joins the authors of a package by colons.
+                // Cargo joins the authors of a package with colons.
                 "authors" => {
                     authors = value.split(':').filter(|a| !a.is_empty()).map(str::to_owned).collect()
                 }
@@ -332,7 +328,7 @@ fn unescape(text: &str) -> Option<String> {
     Some(out)
 }
 
-/// Tells whether the harness can keep this control period (s): it must be a positive multiple of its step of 1 ms.
+/// Whether this control period (s) is valid: a positive multiple of the simulation step of 1 ms.
 #[must_use]
 pub const fn is_control_period(seconds: f64) -> bool {
     let steps = seconds * 1000.0;
@@ -342,8 +338,8 @@ pub const fn is_control_period(seconds: f64) -> bool {
     nearest > 0 && nearest < 1_000_000_000 && off < 1e-6 && off > -1e-6
 }
 
-/// Tells whether this can be the name of a planner: at least one of `a-z`, `0-9`, `-` and `_`, and nothing else, since
-/// files are named by it.
+/// Whether this is a valid planner name: one or more of `a-z`, `0-9`, `-` and `_`, because files contain it in their
+/// names.
 #[must_use]
 pub const fn is_name(name: &str) -> bool {
     let bytes = name.as_bytes();
@@ -374,7 +370,7 @@ pub const fn encoded_len(fields: &[(&str, &str)]) -> usize {
     length
 }
 
-/// The text of a section from its keys and values. It is evaluated at compile time, to fill a static.
+/// The text of a section from its keys and values, evaluated at compile time for a static.
 #[must_use]
 pub const fn encode<const N: usize>(fields: &[(&str, &str)]) -> [u8; N] {
     let mut out = [0; N];
@@ -478,7 +474,7 @@ mod tests {
         assert_eq!(m.sensors(true), [local_map, Need { sensor: Sensor::Imu, rate: None }]);
         assert_eq!(Metadata::parse(m.to_text().as_bytes()).unwrap(), m);
         assert_eq!(parse("").unwrap().sensors(false), Need::DEFAULT);
-        // What is needed without maps comes on top where they are missing, and nowhere else.
+        // Sensors for missing maps are added only if a map is missing.
         let m = parse("need-without-maps: local-map 5\nneed-without-maps: pose 10\n").unwrap();
         assert_eq!(m.sensors(true), Need::DEFAULT);
         assert_eq!(m.sensors(false), [Need::DEFAULT, &[local_map]].concat());
@@ -486,14 +482,14 @@ mod tests {
         let reason = |needs: &str| parse(needs).unwrap_err().to_string();
         assert_eq!(
             reason("need: radar\n"),
-            "line 5 asks for a sensor: there is no sensor `radar`; there are pose, imu, wheel-odometry, gnss, lidar, depth, \
+            "line 5 requests a sensor: unknown sensor `radar`; sensors: pose, imu, wheel-odometry, gnss, lidar, depth, \
              local-map"
         );
         for rate in ["30", "0", "-1", "200", "nan", "often"] {
             let text = reason(&format!("need: lidar {rate}\n"));
-            assert!(text.contains(&format!("lidar can't be read {rate} times a second")), "{text}");
+            assert!(text.contains(&format!("the rate `{rate}` of lidar must be")), "{text}");
         }
-        assert_eq!(reason("need: imu\nneed: imu 10\n"), "line 6 asks for a sensor: imu is asked for twice");
+        assert_eq!(reason("need: imu\nneed: imu 10\n"), "line 6 requests a sensor: imu is requested twice");
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Planners as native libraries: a library whose root module `abi_stable` checks for its layout when it is loaded.
+//! Planners as native libraries, with a root module whose layout `abi_stable` checks when the library is loaded.
 //!
-//! Planner authors need none of this: [`export_planner!`](crate::export_planner) uses it on one side, the harness on
-//! the other. The data cross as the structs of [`crate::c`]; a panic becomes the status [`c::PANICKED`] and never crosses.
+//! Planner authors do not need this module: [`export_planner!`](crate::export_planner) and the harness use it. Data
+//! cross the boundary as the structs of [`crate::c`]; a panic becomes the status [`c::PANICKED`].
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CString, c_void};
@@ -17,14 +17,14 @@ use abi_stable::std_types::{ROk, RSlice};
 use crate::c::{self, Arena, CCommand, CError, CHost, CObservation, CTask};
 use crate::{Command, LogLevel, Planner, PlannerError};
 
-/// The functions of a planner library, as `vb_planner_functions` of the C header describes them.
+/// The functions of a planner library, as in `vb_planner_functions` of the C header.
 #[repr(C)]
 #[derive(StableAbi)]
 #[sabi(kind(Prefix(prefix_ref = PlannerModuleRef)))]
 pub struct PlannerModule {
-    /// The [metadata](crate::metadata) text; that it is named here keeps the linker from dropping its section.
+    /// The [metadata](crate::metadata) text; the reference prevents the linker from dropping its section.
     pub metadata: RSlice<'static, u8>,
-    /// Makes a planner for a task. The pointer that it gives goes to `step` and `free`, which are called from one
+    /// Creates a planner for a task. The returned pointer is passed to `step` and `free`, which are called from one
     /// thread at a time.
     pub init: unsafe extern "C" fn(
         task: *const CTask,
@@ -32,8 +32,7 @@ pub struct PlannerModule {
         planner: *mut *mut c_void,
         error: *mut CError,
     ) -> i32,
-    /// Takes one step of a planner that `init` made. After a failure, no function but `free` may be called with that
-    /// planner.
+    /// Runs one step of a planner from `init`. After a failure, only `free` may be called with that planner.
     pub step: unsafe extern "C" fn(
         planner: *mut c_void,
         observation: *const CObservation,
@@ -41,7 +40,7 @@ pub struct PlannerModule {
         command: *mut CCommand,
         error: *mut CError,
     ) -> i32,
-    /// Frees a planner that `init` made.
+    /// Frees a planner from `init`.
     #[sabi(last_prefix_field)]
     pub free: unsafe extern "C" fn(planner: *mut c_void),
 }
@@ -60,7 +59,7 @@ impl std::fmt::Debug for PlannerModuleRef {
 }
 
 thread_local! {
-    /// Where log lines go, while the harness is calling on this thread.
+    /// The destination of log lines during a call on this thread.
     static LOG: Cell<Option<CHost>> = const { Cell::new(None) };
     /// The text of the last panic during such a call.
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
@@ -74,7 +73,7 @@ pub(crate) fn log(level: LogLevel, message: &str) {
     }
 }
 
-/// Keeps the text and place of a panic within a call of the harness, instead of printing it.
+/// Stores the text and location of a panic during a call instead of printing it.
 fn install_panic_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -89,11 +88,11 @@ fn install_panic_hook() {
     });
 }
 
-/// Runs planner code for the harness: log lines go to `host`, an error or a panic becomes a status with a text.
+/// Runs planner code for the harness: log lines go to `host`; an error or a panic becomes a status with a text.
 fn guarded(host: CHost, error: &mut CError, f: impl FnOnce() -> Result<(), PlannerError>) -> i32 {
     install_panic_hook();
     LOG.set(Some(host));
-    // A planner that panicked is never called again, so a broken invariant of its is not observed.
+    // A planner is never called again after a panic, so broken invariants are not observed.
     let result = catch_unwind(AssertUnwindSafe(f));
     LOG.set(None);
     match result {
@@ -109,7 +108,7 @@ fn guarded(host: CHost, error: &mut CError, f: impl FnOnce() -> Result<(), Plann
     }
 }
 
-/// A planner, and what the pointers of its last command lead to.
+/// A planner, and the memory that the pointers of its last command refer to.
 struct Seat<P> {
     planner: P,
     last: Command,
@@ -117,7 +116,7 @@ struct Seat<P> {
 }
 
 /// # Safety
-/// All pointers lead to what the header says.
+/// All pointers are valid as documented in the header.
 unsafe extern "C" fn init<P: Planner>(
     task: *const CTask,
     host: *const CHost,
@@ -137,8 +136,8 @@ unsafe extern "C" fn init<P: Planner>(
 }
 
 /// # Safety
-/// `planner` comes from `init::<P>`, isn't freed, and isn't used by another thread meanwhile; all other pointers lead to
-/// what the header says.
+/// `planner` comes from `init::<P>`, is not freed, and is not used by another thread during the call; all other
+/// pointers are valid as documented in the header.
 unsafe extern "C" fn step<P: Planner>(
     planner: *mut c_void,
     observation: *const CObservation,
@@ -160,11 +159,11 @@ unsafe extern "C" fn step<P: Planner>(
 }
 
 /// # Safety
-/// `planner` comes from `init::<P>` and isn't used again.
+/// `planner` comes from `init::<P>` and is not used again.
 unsafe extern "C" fn free<P: Planner>(planner: *mut c_void) {
     // SAFETY: by this function's own conditions.
     let seat = unsafe { Box::from_raw(planner.cast::<Seat<P>>()) };
-    // There is nobody left to tell of a panic in `drop`.
+    // A panic in `drop` cannot be reported.
     let _ = catch_unwind(AssertUnwindSafe(|| drop(seat)));
 }
 
@@ -180,7 +179,7 @@ pub fn module<P: Planner>(metadata: &'static [u8]) -> PlannerModuleRef {
     .leak_into_prefix()
 }
 
-/// The root module as [`export_planner!`](crate::export_planner) hands it over.
+/// The root module, as exported by [`export_planner!`](crate::export_planner).
 #[doc(hidden)]
 pub fn erased_module<P: Planner>(metadata: &'static [u8]) -> RootModuleResult {
     // SAFETY: `LibHeader` casts it back after the layout check.

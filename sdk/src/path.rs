@@ -1,8 +1,8 @@
-//! Following a path.
+//! Path following.
 
 use crate::{PlannerError, Point2, math};
 
-/// A polyline in the plane of the world frame, measured by the arc length from its start.
+/// A polyline in the plane of the world frame, parametrised by arc length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     points: Vec<Point2>,
@@ -10,7 +10,7 @@ pub struct Path {
     arc: Vec<f64>,
 }
 
-/// The point of a path that is closest to some position.
+/// The point of a path closest to a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
     /// The arc length from the start of the path, m.
@@ -22,10 +22,10 @@ pub struct Closest {
 }
 
 impl Path {
-    /// Makes a path through these points. Repeated points do no harm.
+    /// Creates a path through these points. Repeated points are allowed.
     ///
     /// # Errors
-    /// Returns an error if there are no points or if one of them is not finite.
+    /// Returns an error if there are no points, or a point is not finite.
     pub fn new(points: &[Point2]) -> Result<Self, PlannerError> {
         if points.is_empty() {
             return Err("the global path has no points".into());
@@ -40,13 +40,13 @@ impl Path {
         Ok(Self { points: points.to_vec(), arc })
     }
 
-    /// The whole length of the path, m.
+    /// The total length of the path, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.arc[self.arc.len() - 1]
     }
 
-    /// The point at an arc length (m). Before the start and past the end it is the start and the end, respectively.
+    /// The point at an arc length (m), clamped to the start and the end.
     #[must_use]
     pub fn point_at(&self, arc: f64) -> Point2 {
         // First point at or past `arc`.
@@ -62,12 +62,11 @@ impl Path {
         Point2 { x: a.x + (b.x - a.x) * t, y: a.y + (b.y - a.y) * t }
     }
 
-    /// The direction of the path at an arc length (m), rad, counter-clockwise from east; `None` if the path has no
-    /// length.
+    /// The direction of the path at an arc length (m), rad, counter-clockwise from east; `None` for a path of length 0.
     #[must_use]
     pub fn heading_at(&self, arc: f64) -> Option<f64> {
         let last = self.points.len() - 1;
-        // The segment that starts at or before `arc`; of several, the one that isn't a repeated point.
+        // The segment that starts at or before `arc`; for repeated points, the one with a length.
         let mut i = self.arc.partition_point(|a| *a <= arc).clamp(1, last.max(1));
         while i > 1 && i <= last && self.arc[i] == self.arc[i - 1] {
             i -= 1;
@@ -82,14 +81,13 @@ impl Path {
         Some(math::atan2(b.y - a.y, b.x - a.x))
     }
 
-    /// The point of the path that is closest to (x, y), in m; of equally close ones, the first.
+    /// The point of the path closest to (x, y), m; ties go to the first.
     #[must_use]
     pub fn closest(&self, x: f64, y: f64) -> Closest {
         self.closest_between(x, y, 0.0, self.length())
     }
 
-    /// The point closest to (x, y) among those with an arc length in [from, to], all in m; of equally close ones, the
-    /// first.
+    /// The point closest to (x, y) with an arc length in [from, to], all in m; ties go to the first.
     #[must_use]
     pub fn closest_between(&self, x: f64, y: f64, from: f64, to: f64) -> Closest {
         let from = from.clamp(0.0, self.length());
@@ -120,8 +118,8 @@ impl Path {
     }
 }
 
-/// A vehicle's progress along a path. It never goes back, and it advances by `window` a call at most, so it can't
-/// jump to a later stretch that passes nearby.
+/// A vehicle's progress along a path. It never decreases, and increases by at most `window` per call, so that it does
+/// not jump to a later section of the path nearby.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Follower {
     path: Path,
@@ -130,7 +128,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// A follower at the start of `path` that looks `window` metres ahead for the closest point.
+    /// A follower at the start of `path` that searches for the closest point up to `window` metres ahead.
     #[must_use]
     pub fn new(path: Path, window: f64) -> Self {
         Self { path, window, arc: 0.0 }
@@ -143,8 +141,7 @@ impl Follower {
         closest
     }
 
-    /// The point `distance` metres further along the path than the vehicle's progress, or the end of the path if that
-    /// is nearer.
+    /// The point `distance` metres along the path after the vehicle's progress, or the end of the path if it is nearer.
     #[must_use]
     pub fn look_ahead(&self, distance: f64) -> Point2 {
         self.path.point_at(self.arc + distance)
@@ -156,13 +153,13 @@ impl Follower {
         self.arc
     }
 
-    /// The length of what is left of the path, m.
+    /// The remaining length of the path, m.
     #[must_use]
     pub fn remaining(&self) -> f64 {
         self.path.length() - self.arc
     }
 
-    /// The path that is followed.
+    /// The path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

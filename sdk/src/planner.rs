@@ -3,33 +3,32 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::{Command, HeightMap, LabelMap, LocalMap, Observation, Pose, Task};
+use crate::{Command, Gear, HeightMap, LabelMap, LocalMap, Observation, Pose, Task};
 
-/// A planner for one task. Implement this trait and export the planner by [`export_planner!`](crate::export_planner).
+/// A planner for one task. Implement this trait and export the planner with [`export_planner!`](crate::export_planner).
 ///
-/// A planner sees nothing but the task and its observations: there is no clock, no file and no network. For
-/// randomness seed [`rng::Rng`](crate::rng::Rng) with [`Task::seed`].
+/// The inputs of a planner are the task and its observations: it has no clock, files or network. For random numbers,
+/// seed [`rng::Rng`](crate::rng::Rng) with [`Task::seed`].
 pub trait Planner: Sized + 'static {
-    /// Prepares the planner for a task. It is called once, before the first step.
+    /// Prepares the planner for a task. Called once, before the first step.
     ///
     /// # Errors
     /// An error ends the task with the outcome `planner_error` and the error's text.
     fn init(task: &Task) -> Result<Self, PlannerError>;
 
-    /// Decides on a command. It is called every control period, first at time 0, and its command holds until the next
-    /// call.
+    /// Returns a command. Called every control period, first at time 0; the command holds until the next call.
     ///
     /// # Errors
     /// An error ends the task with the outcome `planner_error` and the error's text.
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError>;
 }
 
-/// The reason why a planner gives up on a task: a text for the user.
+/// The reason why a planner aborts a task: a text for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlannerError(String);
 
 impl PlannerError {
-    /// An error with this text.
+    /// Creates an error with this text.
     pub fn new(message: impl fmt::Display) -> Self {
         Self(message.to_string())
     }
@@ -56,8 +55,8 @@ impl From<&str> for PlannerError {
 }
 
 impl Command {
-    /// The command as the vehicle takes it, with steering in [-1, 1] and throttle and brake in [0, 1], and whether anything was
-    /// out of range.
+    /// The clamped command, with steering in [-1, 1] and throttle and brake in [0, 1], and whether any value was out of
+    /// range.
     #[must_use]
     pub fn clamped(self) -> (Self, bool) {
         let Self { steering, throttle, brake, .. } = self;
@@ -72,8 +71,20 @@ impl Command {
     }
 }
 
+impl Gear {
+    /// The direction of travel: 1 forward, 0 in neutral, -1 in reverse.
+    #[must_use]
+    pub fn direction(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Neutral => 0.0,
+            Self::Reverse => -1.0,
+        }
+    }
+}
+
 impl Observation {
-    /// An observation of this pose and nothing else, for tests of planners.
+    /// An observation with only this pose, for tests of planners.
     #[must_use]
     pub fn of(pose: Pose) -> Self {
         Self { pose: Some(pose), ..Self::default() }
@@ -82,52 +93,54 @@ impl Observation {
     /// The estimate of the vehicle's state.
     ///
     /// # Errors
-    /// Returns an error if there is none: the planner doesn't ask for it, or asks for it less often than it is called.
+    /// Returns an error if the pose is absent: the planner does not request it, or requests it with a lower rate than
+    /// its steps.
     pub fn pose(&self) -> Result<&Pose, PlannerError> {
-        self.pose.as_ref().ok_or_else(|| "this observation has no pose; ask for `pose` in every step".into())
+        self.pose.as_ref().ok_or_else(|| "this observation has no pose; request `pose` in every step".into())
     }
 
-    /// The map of the surroundings.
+    /// The local map.
     ///
     /// # Errors
-    /// Returns an error if there is none: the planner doesn't ask for it, or asks for it less often than it is called.
+    /// Returns an error if the local map is absent: the planner does not request it, or requests it with a lower rate
+    /// than its steps.
     pub fn local_map(&self) -> Result<&LocalMap, PlannerError> {
         self.local_map
             .as_ref()
-            .ok_or_else(|| "this observation has no local map; ask for `local-map` in every step".into())
+            .ok_or_else(|| "this observation has no local map; request `local-map` in every step".into())
     }
 }
 
 impl Task {
-    /// The map of heights.
+    /// The elevation map.
     ///
     /// # Errors
-    /// Returns an error if the perception profile gives none.
+    /// Returns an error if the perception profile omits it.
     pub fn elevation(&self) -> Result<&HeightMap, PlannerError> {
-        self.elevation.as_ref().ok_or_else(|| self.lacks("map of heights"))
+        self.elevation.as_ref().ok_or_else(|| self.lacks("elevation map"))
     }
 
-    /// The map of the kinds of ground.
+    /// The map of terrain classes.
     ///
     /// # Errors
-    /// Returns an error if the perception profile gives none.
+    /// Returns an error if the perception profile omits it.
     pub fn semantics(&self) -> Result<&LabelMap, PlannerError> {
-        self.semantics.as_ref().ok_or_else(|| self.lacks("map of the kinds of ground"))
+        self.semantics.as_ref().ok_or_else(|| self.lacks("map of terrain classes"))
     }
 
-    /// The map of obstacles.
+    /// The occupancy map.
     ///
     /// # Errors
-    /// Returns an error if the perception profile gives none.
+    /// Returns an error if the perception profile omits it.
     pub fn occupancy(&self) -> Result<&LabelMap, PlannerError> {
-        self.occupancy.as_ref().ok_or_else(|| self.lacks("map of obstacles"))
+        self.occupancy.as_ref().ok_or_else(|| self.lacks("occupancy map"))
     }
 
     fn lacks(&self, map: &str) -> PlannerError {
-        PlannerError(format!("the perception profile `{}` gives no {map}", self.perception))
+        PlannerError(format!("the perception profile `{}` omits the {map}", self.perception))
     }
 
-    /// The value of a parameter as text, or `None` if the planner doesn't declare it.
+    /// The value of a parameter as text; `None` if the planner does not declare it.
     #[must_use]
     pub fn param(&self, key: &str) -> Option<&str> {
         self.params.iter().find(|p| p.key == key).map(|p| p.value.as_str())
@@ -136,7 +149,7 @@ impl Task {
     /// The value of a parameter, parsed as a `T`.
     ///
     /// # Errors
-    /// Returns an error if the planner doesn't declare the parameter, or if the value is not a `T`.
+    /// Returns an error if the planner does not declare the parameter, or the value is not a `T`.
     pub fn param_as<T: FromStr>(&self, key: &str) -> Result<T, PlannerError> {
         let value = self
             .param(key)
@@ -150,7 +163,7 @@ impl Task {
     /// The value of a parameter as a finite number.
     ///
     /// # Errors
-    /// Returns an error if the planner doesn't declare the parameter, or if the value is not a finite number.
+    /// Returns an error if the planner does not declare the parameter, or the value is not a finite number.
     pub fn param_f64(&self, key: &str) -> Result<f64, PlannerError> {
         let value: f64 = self.param_as(key)?;
         if value.is_finite() {
@@ -160,10 +173,10 @@ impl Task {
         }
     }
 
-    /// The value of a parameter as a finite number above 0, as speeds and lengths are.
+    /// The value of a parameter as a finite positive number, e.g. a speed or a length.
     ///
     /// # Errors
-    /// Returns an error if the planner doesn't declare the parameter, or if the value is not such a number.
+    /// Returns an error if the planner does not declare the parameter, or the value is not a finite positive number.
     pub fn param_positive(&self, key: &str) -> Result<f64, PlannerError> {
         match self.param_f64(key)? {
             value if value > 0.0 => Ok(value),
@@ -172,7 +185,7 @@ impl Task {
     }
 }
 
-/// What values of a type are, in words.
+/// The values of a type, in words.
 fn kind_of(type_name: &str) -> String {
     match type_name {
         "f64" | "f32" => "a number".to_owned(),
@@ -198,6 +211,11 @@ mod tests {
         assert_eq!(command(-1.0, 1.0, 0.0).clamped(), (command(-1.0, 1.0, 0.0), false));
         assert_eq!(command(1.5, 0.5, 0.0).clamped(), (command(1.0, 0.5, 0.0), true));
         assert_eq!(command(-7.0, -0.1, 2.0).clamped(), (command(-1.0, 0.0, 1.0), true));
+    }
+
+    #[test]
+    fn gears_have_the_sign_of_the_direction_of_travel() {
+        assert_eq!([Gear::Forward, Gear::Neutral, Gear::Reverse].map(Gear::direction), [1.0, 0.0, -1.0]);
     }
 
     #[test]

@@ -1,15 +1,15 @@
-//! A small seeded random generator.
+//! A seeded pseudorandom number generator.
 
 use crate::math;
 
-/// xoshiro256++ (Blackman, Vigna: *Scrambled linear pseudorandom number generators*, ACM TOMS 47, 2021), seeded by
-/// SplitMix64 as its authors advise. Not for cryptography. The distributions are computed here, so a seed keeps its
-/// meaning whatever happens to other crates.
+/// xoshiro256++ (Blackman, Vigna: *Scrambled linear pseudorandom number generators*, ACM TOMS 47, 2021), seeded with
+/// SplitMix64 as its authors recommend. Not for cryptography. The distributions are implemented here, so that the
+/// numbers of a seed do not depend on other crates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rng([u64; 4]);
 
 impl Rng {
-    /// The generator that starts from this seed, e.g. from [`Task::seed`](crate::Task::seed).
+    /// Creates a generator from a seed, e.g. [`Task::seed`](crate::Task::seed).
     #[must_use]
     pub fn new(seed: u64) -> Self {
         // SplitMix64: Steele, Lea, Flood, OOPSLA 2014, figure 15 with the constants of variant 13.
@@ -23,7 +23,7 @@ impl Rng {
         }))
     }
 
-    /// The next 64 uniformly distributed bits.
+    /// Returns the next 64 uniformly distributed bits.
     pub fn next_u64(&mut self) -> u64 {
         let s = &mut self.0;
         let result = s[0].wrapping_add(s[3]).rotate_left(23).wrapping_add(s[0]);
@@ -37,17 +37,17 @@ impl Rng {
         result
     }
 
-    /// A number that is uniformly distributed in [0, 1), on a grid of 2⁻⁵³.
+    /// Returns a uniformly distributed number in [0, 1), on a grid of 2⁻⁵³.
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
-    /// A number that is uniformly distributed in [low, high).
+    /// Returns a uniformly distributed number in [low, high).
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// An integer that is uniformly distributed in 0..n, without modulo bias (Lemire, ACM TOMACS 29, 2019).
+    /// Returns a uniformly distributed integer in 0..n, without modulo bias (Lemire, ACM TOMACS 29, 2019).
     ///
     /// # Panics
     /// Panics if `n` is 0.
@@ -62,9 +62,9 @@ impl Rng {
         }
     }
 
-    /// A number that is normally distributed with mean 0 and standard deviation 1 (Box, Muller 1958).
+    /// Returns a normally distributed number with mean 0 and standard deviation 1 (Box, Muller 1958).
     pub fn normal(&mut self) -> f64 {
-        // 1 − u lies in (0, 1], where the logarithm is finite.
+        // 1 − u is in (0, 1], where the logarithm is finite.
         let radius = (-2.0 * math::ln(1.0 - self.unit())).sqrt();
         radius * math::cos(std::f64::consts::TAU * self.unit())
     }

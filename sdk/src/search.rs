@@ -1,8 +1,8 @@
-//! Best-first search over numbered nodes, for planners that look for a way over a grid before they start: Dijkstra's
-//! algorithm and A*, with ties that are the same everywhere.
+//! Best-first search over numbered nodes, for path search on a grid before the start: Dijkstra's algorithm and A*, with
+//! platform-independent tie breaking.
 //!
-//! The example plans over the occupancy map of a task. A node is a cell, numbered row by row; a step goes to one of the
-//! eight neighbours, and the estimate is the straight distance:
+//! The example searches the occupancy map of a task. A node is a cell, numbered row by row; a step goes to one of the
+//! eight neighbours, and the heuristic is the Euclidean distance:
 //!
 //! ```
 //! use vb_sdk::search::Search;

@@ -1,12 +1,13 @@
-//! From what sensors measure to points in the body frame.
+//! Conversion of sensor measurements to points in the body frame.
 
 use crate::{DepthImage, DepthInfo, LidarInfo, LidarScan, Mount, Vec3, math};
 
 impl Mount {
-    /// The point of the body frame that lies at `v` in the sensor's frame, m.
+    /// Transforms the point `v` from the sensor frame to the body frame, m.
     #[must_use]
     pub fn to_body(&self, v: Vec3) -> Vec3 {
-        // Roll about x, then pitch about y, then yaw about z: the last turn of the attitude is the first of a vector's.
+        // Roll about x, then pitch about y, then yaw about z: rotations of a vector are in reverse order of the
+        // attitude's.
         let (sin, cos) = math::sin_cos(self.roll);
         let (y, z) = (cos * v.y - sin * v.z, sin * v.y + cos * v.z);
         let (sin, cos) = math::sin_cos(self.pitch);
@@ -18,7 +19,7 @@ impl Mount {
 }
 
 impl LidarInfo {
-    /// The direction of a beam in the sensor's frame, a unit vector.
+    /// The direction of a beam in the sensor frame, a unit vector.
     #[must_use]
     pub fn direction(&self, row: u32, col: u32) -> Vec3 {
         let steps = f64::from(self.rows.max(2) - 1);
@@ -29,8 +30,8 @@ impl LidarInfo {
         Vec3 { x: cos_e * cos_a, y: cos_e * sin_a, z: sin_e }
     }
 
-    /// The points that a scan has seen, in the body frame as it was when each was measured, m: row, column, point. Beams of
-    /// which nothing came back are left out.
+    /// The points of a scan, in the body frame at the time of each measurement, m: row, column, point. Beams without an
+    /// echo are omitted.
     pub fn points(&self, scan: &LidarScan) -> impl Iterator<Item = (u32, u32, Vec3)> {
         places(self.rows, self.cols, &scan.ranges).map(|(row, col, range)| {
             let d = self.direction(row, col);
@@ -40,18 +41,18 @@ impl LidarInfo {
 }
 
 impl DepthInfo {
-    /// The point at depth 1 that a pixel's middle looks at, in the sensor's frame: x along the camera's axis, y to the left,
-    /// z up.
+    /// The point at depth 1 on the ray through a pixel's centre, in the sensor frame: x along the camera's axis, y to
+    /// the left, z up.
     #[must_use]
     pub fn direction(&self, row: u32, col: u32) -> Vec3 {
-        // Half of the image's width at depth 1, over half of its columns: the side of a pixel.
+        // Half the image width at depth 1, over half of its columns: the side of a pixel.
         let half = 0.5 * self.field_of_view;
         let side = 2.0 * math::tan(half) / f64::from(self.cols.max(1));
         let off = |i: u32, n: u32| (0.5 * f64::from(n) - (f64::from(i) + 0.5)) * side;
         Vec3 { x: 1.0, y: off(col, self.cols), z: off(row, self.rows) }
     }
 
-    /// The points that an image has seen, in the body frame, m: row, column, point. Pixels without a depth are left out.
+    /// The points of an image, in the body frame, m: row, column, point. Pixels without a depth are omitted.
     pub fn points(&self, image: &DepthImage) -> impl Iterator<Item = (u32, u32, Vec3)> {
         places(self.rows, self.cols, &image.depths).map(|(row, col, depth)| {
             let d = self.direction(row, col);
@@ -60,7 +61,7 @@ impl DepthInfo {
     }
 }
 
-/// Row, column and value of what is above 0.
+/// Row, column and value of the positive values.
 fn places(rows: u32, cols: u32, values: &[f32]) -> impl Iterator<Item = (u32, u32, f64)> {
     let all = (0..rows).flat_map(move |row| (0..cols).map(move |col| (row, col)));
     all.zip(values).filter(|(_, v)| **v > 0.0).map(|((row, col), v)| (row, col, f64::from(*v)))

@@ -2,11 +2,11 @@
 
 use crate::Gear;
 
-/// A proportional-integral controller of the forward speed, which acts by throttle and brake.
+/// A proportional-integral controller of the forward speed, with throttle and brake as outputs.
 ///
-/// u = kp·e + ki·∫e dt with e = target − speed, limited to [-1, 1]; u ≥ 0 is throttle, u < 0 is brake. With
-/// kp = 1 and ki = 0 it is the speed controller of Verti-Bench, which leaves a droop of some 0.5 m/s on flat
-/// ground, since holding a speed takes a throttle above 0.
+/// u = kp·e + ki·∫e dt with e = target − speed, clamped to [-1, 1]; u ≥ 0 is throttle, u < 0 is brake. With kp = 1 and
+/// ki = 0 it is the speed controller of Verti-Bench, which has a steady-state error of about 0.5 m/s on flat terrain,
+/// because constant speed needs throttle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpeedController {
     kp: f64,
@@ -15,19 +15,19 @@ pub struct SpeedController {
 }
 
 impl SpeedController {
-    /// A controller with the gains `kp` (throttle per m/s, s/m) and `ki` (throttle per m, 1/m).
+    /// Creates a controller with the gains `kp` (throttle per m/s, s/m) and `ki` (throttle per m, 1/m).
     #[must_use]
     pub fn new(kp: f64, ki: f64) -> Self {
         Self { kp, ki, integral: 0.0 }
     }
 
-    /// The throttle and the brake, each in [0, 1], that lead from `speed` to `target` (m/s). `dt` is the time since the
-    /// last call, s.
+    /// Returns throttle and brake, each in [0, 1], for the current speed and the target (m/s). `dt` is the time since
+    /// the last call, s.
     pub fn update(&mut self, target: f64, speed: f64, dt: f64) -> (f64, f64) {
         let error = target - speed;
         let integral = self.integral + self.ki * error * dt;
         let wanted = self.kp * error + integral;
-        // While the output is saturated the integral may only move back: otherwise it winds up.
+        // Anti-windup: while the output is saturated, the integral may only decrease in magnitude.
         if wanted.abs() <= 1.0 || wanted * error < 0.0 {
             self.integral = integral;
         }
@@ -35,27 +35,26 @@ impl SpeedController {
         if u >= 0.0 { (u, 0.0) } else { (0.0, -u) }
     }
 
-    /// The integral, as throttle (or, below 0, brake).
+    /// The integral, as throttle (brake if negative).
     #[must_use]
     pub fn integral(&self) -> f64 {
         self.integral
     }
 
-    /// Sets the integral to 0.
+    /// Resets the integral to 0.
     pub fn reset(&mut self) {
         self.integral = 0.0;
     }
 }
 
-/// Keeps a signed speed by throttle, brake and gear: a [`SpeedController`] for each direction of travel, of which a
-/// change begins anew. Speeds are compared as a full-size vehicle would have them (Froude's rule), so that the gains hold at
-/// every scale.
+/// Controls a signed speed with throttle, brake and gear: a [`SpeedController`] per direction of travel, reset at each
+/// change. Speeds are converted to full scale (Froude scaling), so that the gains apply at every scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpeedKeeper {
     controller: SpeedController,
-    /// The root of the world's scale.
+    /// Root of the world's scale.
     pace: f64,
-    /// m/s.
+    /// Target speed, m/s.
     target: f64,
 }
 
@@ -63,20 +62,20 @@ impl SpeedKeeper {
     /// The gains: throttle per m/s of error, and per metre.
     const GAINS: (f64, f64) = (0.6, 0.15);
 
-    /// A keeper that stands, in a world of this scale.
+    /// Creates a controller with the target 0, in a world of this scale.
     #[must_use]
     pub fn new(scale: f64) -> Self {
         let (kp, ki) = Self::GAINS;
         Self { controller: SpeedController::new(kp, ki), pace: scale.sqrt(), target: 0.0 }
     }
 
-    /// The integral of the controller, as throttle (or, below 0, brake).
+    /// The integral of the controller, as throttle (brake if negative).
     #[must_use]
     pub fn integral(&self) -> f64 {
         self.controller.integral()
     }
 
-    /// Sets the speed to keep, m/s, negative in reverse.
+    /// Sets the target speed, m/s, negative in reverse.
     pub fn aim(&mut self, target: f64) {
         if (target < 0.0) != (self.target < 0.0) {
             self.controller.reset();
@@ -84,8 +83,8 @@ impl SpeedKeeper {
         self.target = target;
     }
 
-    /// The throttle and the brake, each in [0, 1], and the gear, at this forward speed (m/s). `dt` is the time since the last
-    /// call, s.
+    /// Returns throttle and brake, each in [0, 1], and the gear, for this forward speed (m/s). `dt` is the time since
+    /// the last call, s.
     pub fn update(&mut self, speed: f64, dt: f64) -> (f64, f64, Gear) {
         let (gear, along) = if self.target < 0.0 { (Gear::Reverse, -1.0) } else { (Gear::Forward, 1.0) };
         let (target, speed) = (along * self.target / self.pace, along * speed / self.pace);

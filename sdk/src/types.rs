@@ -114,8 +114,8 @@ pub struct Vehicle {
     pub max_steer_rate: f64,
     /// The turning radius of the reference point at full lock on flat ground, m.
     pub min_turn_radius: f64,
-    /// The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
-    /// full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+    /// The track of a slip-free differential drive with the same yaw rate at the same wheel speeds, at full lock, m; 0 for
+    /// a vehicle without skid steering.
     pub effective_track: f64,
     /// The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
     pub turn_rate_in_place: f64,
@@ -180,12 +180,12 @@ pub struct Mount {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct LidarInfo {
-    /// The duration of a turn, which is the interval between scans, s.
+    /// The duration of a scan, which is one revolution, s.
     pub period: f64,
     /// The number of beams: the rows of a scan, lowest first.
     pub rows: u32,
-    /// The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / `cols` in
-    /// the sensor's frame, counter-clockwise from straight ahead.
+    /// The number of directions per revolution: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π /
+    /// `cols` in the sensor's frame, counter-clockwise from straight ahead.
     pub cols: u32,
     /// The elevation angle of the lowest beam above the sensor's horizon, rad.
     pub lowest: f64,
@@ -195,7 +195,7 @@ pub struct LidarInfo {
     pub min_range: f64,
     /// The maximum measured distance, m.
     pub max_range: f64,
-    /// The place of the sensor on the vehicle.
+    /// The pose of the sensor on the vehicle.
     pub mount: Mount,
 }
 
@@ -217,7 +217,7 @@ pub struct DepthInfo {
     pub max_depth: f64,
     /// Whether the images have a label for each pixel.
     pub labels: bool,
-    /// The place of the sensor on the vehicle.
+    /// The pose of the sensor on the vehicle.
     pub mount: Mount,
 }
 
@@ -229,7 +229,7 @@ pub struct Task {
     pub id: String,
     /// The vehicle.
     pub vehicle: Vehicle,
-    /// The heights of the ground that the perception profile provides, m; absent if it provides none.
+    /// The terrain heights that the perception profile provides, m; absent if it provides none.
     pub elevation: Option<HeightMap>,
     /// The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock,
     /// 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none.
@@ -314,11 +314,11 @@ pub struct GnssFix {
     pub position: Vec3,
 }
 
-/// A turn of the lidar.
+/// A scan of the lidar: one revolution.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct LidarScan {
-    /// The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
+    /// The simulated time at the end of the scan, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
     /// while the vehicle moved.
     pub time: f64,
     /// The `rows` · `cols` measured distances, m, row-major; 0 without an echo.
@@ -341,18 +341,18 @@ pub struct DepthImage {
     pub labels: Vec<u8>,
 }
 
-/// The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in its
-/// middle, and its axes are those of the world frame, up to the error of the estimate.
+/// The local map, built from lidar and depth camera at the estimated pose. The vehicle is at its centre, and its axes
+/// are those of the world frame, up to the error of the estimate.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct LocalMap {
     /// The simulated time of the last update, s.
     pub time: f64,
-    /// The heights of the ground, m; NaN where they are unknown.
+    /// The terrain heights, m; NaN for unknown cells.
     pub elevation: HeightMap,
-    /// The terrain classes, with the numbers of the task's `semantics`; 255 where they are unknown.
+    /// The terrain classes, with the numbers of the task's `semantics`; 255 for unknown cells.
     pub semantics: LabelMap,
-    /// 1 for obstacles, 0 for ground, 255 where it is unknown.
+    /// 1 for obstacles, 0 for free cells, 255 for unknown cells.
     pub occupancy: LabelMap,
 }
 
@@ -384,17 +384,17 @@ pub struct Observation {
     pub imu: Vec<ImuSample>,
     /// The last GNSS position (`gnss`).
     pub gnss: Option<GnssFix>,
-    /// The last turn of the lidar (`lidar`).
+    /// The last scan of the lidar (`lidar`).
     pub lidar: Option<LidarScan>,
     /// The last image of the depth camera (`depth`).
     pub depth: Option<DepthImage>,
-    /// The map of the surroundings (`local-map`).
+    /// The local map (`local-map`).
     pub local_map: Option<LocalMap>,
     /// The engaged gear; neutral during a change of direction.
     pub gear: Gear,
     /// The engine speed, rad/s.
     pub engine_speed: f64,
-    /// The present steering of the wheels, which follows the command at `max_steer_rate`, in [-1, 1], positive to the left.
+    /// The current wheel steering, which follows the command at `max_steer_rate`, in [-1, 1], positive to the left.
     pub steering: f64,
     /// The steering command applied until now, after clamping; 0 at first.
     pub last_steering: f64,
@@ -404,7 +404,7 @@ pub struct Observation {
     pub last_brake: f64,
 }
 
-/// Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost.
+/// Numbers that the harness records with the trajectory, e.g. rollouts or costs.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Series {

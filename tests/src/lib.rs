@@ -1,8 +1,8 @@
 //! What the end-to-end tests share: finding the built binary and the planners, running commands, reading results.
 //!
 //! The tests drive what `cargo xtask test` builds, as a user does: the release binary (and the one of the tests' own
-//! profile, to compare), and the planner files. What is missing is an error, not a reason to skip a test. Only the
-//! reference data beside the repository may be missing.
+//! profile, to compare), and the planner files. What is missing is an error, not a reason to skip a test: without the
+//! program, one message ends all tests. Only the reference data beside the repository may be missing.
 
 // Helpers of tests panic as tests do.
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc)]
@@ -13,7 +13,7 @@ mod mini;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{BufRead as _, BufReader, Lines};
+use std::io::{BufRead as _, BufReader, Lines, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 
@@ -45,10 +45,21 @@ fn built(path: PathBuf) -> PathBuf {
     path
 }
 
-/// The harness as users build it.
+/// The harness as users build it. In a checkout where it has not been built, a message ends the tests, since each of them
+/// would fail alike.
 #[must_use]
 pub fn release_harness() -> PathBuf {
-    built(target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX)))
+    let path = target_dir().join("release").join(format!("vb-harness{}", std::env::consts::EXE_SUFFIX));
+    if !path.is_file() {
+        // Not by a macro, whose output would be captured.
+        let _ = writeln!(
+            std::io::stderr(),
+            "error: the end-to-end tests drive {}, which is missing (run `cargo xtask test`, which builds all that they need)",
+            path.display()
+        );
+        std::process::exit(1);
+    }
+    path
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

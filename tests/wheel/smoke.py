@@ -81,6 +81,8 @@ def paths(package: Installed) -> None:
     root = package.python("import vertibench; print(vertibench.__path__[0])").strip()
     lines = told.splitlines()
     assert len(lines) == 4 and all(line.startswith(f"{root}/_data/") and Path(line).exists() for line in lines), told
+    # Messages name the pages of the documentation.
+    assert Path(root, "docs/abi.md").is_file()
 
 
 def kernels(package: Installed) -> None:

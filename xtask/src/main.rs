@@ -235,7 +235,7 @@ fn build_examples(out: &Path) -> Result<(), Failure> {
 
 fn demo() -> Result<(), Failure> {
     if !built("vb-harness").exists() {
-        step("building everything for the first time takes some twelve minutes on two cores");
+        step("building everything for the first time takes 10 to 20 minutes on two cores");
     }
     // What it needs, and no more.
     build_small_harness()?;

@@ -35,6 +35,76 @@ pub(crate) fn sources(folder: &str) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
+/// Documents in the archive of a release: pages and examples, and what they link to besides `tasks` and the SDK for Rust.
+const DOCUMENTS: [&str; 16] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "CODE_OF_CONDUCT.md",
+    "CONTRIBUTING.md",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "SECURITY.md",
+    "STYLE.md",
+    "docs",
+    "examples",
+    "harness/python/Containerfile",
+    "harness/python/README.md",
+    "sdk/c",
+    "sdk/python",
+];
+
+/// Returns the documents, relative to the repository.
+pub(crate) fn documents() -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for place in DOCUMENTS {
+        let found = sources(place)?;
+        if found.is_empty() {
+            return Err(Failure::new(format!("{place}: missing")));
+        }
+        files.extend(found);
+    }
+    Ok(files)
+}
+
+/// Returns the text of a page without links to files, which lead nowhere outside the repository: each becomes its label with the
+/// path of the file.
+pub(crate) fn without_links(text: &str) -> String {
+    let mut is_code = false;
+    let mut lines = Vec::new();
+    for line in text.lines() {
+        is_code ^= line.trim_start().starts_with("```");
+        lines.push(if is_code { line.to_owned() } else { line_without_links(line) });
+    }
+    lines.join("\n") + "\n"
+}
+
+fn line_without_links(line: &str) -> String {
+    let mut done = String::new();
+    let mut rest = line;
+    while let Some((before, target, after)) = next_link(rest) {
+        let (text, label) = before.rsplit_once('[').unwrap_or((before, ""));
+        let path = target.split('#').next().unwrap_or_default().trim_start_matches("../");
+        done += &if target.contains("://") || target.starts_with('#') {
+            format!("{before}]({target})")
+        } else if label == path {
+            format!("{text}{label}")
+        } else {
+            format!("{text}{label} (`{path}`)")
+        };
+        rest = after;
+    }
+    done + rest
+}
+
+/// Returns a line before and after the end of its first link, and the link's target.
+fn next_link(line: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = line.split_once("](")?;
+    let (target, after) = rest.split_once(')')?;
+    Some((before, target, after))
+}
+
 fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
     for entry in std::fs::read_dir(folder).map_err(failure(folder))? {
         let path = entry.map_err(failure(folder))?.path();
@@ -124,6 +194,72 @@ mod tests {
         cargo.args(["metadata", "--no-deps", "--format-version", "1"]).current_dir(&folder);
         let told = output(&mut cargo).unwrap();
         assert!(told.contains("vb-sdk") && told.contains("vb-math"), "{told}");
+    }
+
+    /// Files and folders to which the pages link, each with the page.
+    fn linked(page: &Path) -> Vec<PathBuf> {
+        let text = String::from_utf8(read(&crate::root().join(page)).unwrap()).unwrap();
+        let mut is_code = false;
+        let mut found = Vec::new();
+        for line in text.lines() {
+            is_code ^= line.trim_start().starts_with("```");
+            let mut rest = if is_code { "" } else { line };
+            while let Some((_, target, after)) = next_link(rest) {
+                rest = after;
+                let path = target.split('#').next().unwrap();
+                if target.contains(':') || path.is_empty() {
+                    continue;
+                }
+                let mut whole = page.parent().unwrap().to_owned();
+                for part in Path::new(path).components() {
+                    match part {
+                        std::path::Component::ParentDir => assert!(whole.pop(), "{}: {path}", page.display()),
+                        part => whole.push(part),
+                    }
+                }
+                found.push(whole);
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn pages_in_the_archive_lead_to_files_of_it() {
+        let documents = documents().unwrap();
+        let mut files = documents.clone();
+        files.extend(sources("tasks").unwrap());
+        files.extend(sdk().unwrap().into_iter().map(|(path, _)| Path::new("sdk").join(path)));
+        // Pages for contributors lead to sources.
+        let for_contributors = ["ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "STYLE.md"];
+        let pages = documents.iter().filter(|file| {
+            file.extension().is_some_and(|e| e == "md")
+                && !for_contributors.iter().any(|f| file == &Path::new(f))
+        });
+        let mut count = 0;
+        for page in pages {
+            for target in linked(page) {
+                count += 1;
+                let is_there = files.iter().any(|file| file.starts_with(&target));
+                assert!(is_there, "{}: {} is not in the archive", page.display(), target.display());
+            }
+        }
+        assert!(count > 300, "{count}");
+        assert!(files.contains(&PathBuf::from("docs/pictures/drive.gif")));
+    }
+
+    #[test]
+    fn pages_for_package_indexes_have_no_relative_links() {
+        assert_eq!(
+            without_links(
+                "[a](../../docs/a.md#b), [`c`](https://c.org) and\n[x/y.ipynb](../../x/y.ipynb)\n```sh\n[d](e)\n```"
+            ),
+            "a (`docs/a.md`), [`c`](https://c.org) and\nx/y.ipynb\n```sh\n[d](e)\n```\n"
+        );
+        let text = String::from_utf8(read(&crate::root().join("harness/python/README.md")).unwrap()).unwrap();
+        let text = without_links(&text);
+        assert!(text.contains("(`docs/results.md`)") && !text.contains("](../"), "{text}");
+        // No label goes on in the next line.
+        assert!(text.lines().all(|line| line.matches('[').count() == line.matches(']').count()), "{text}");
     }
 
     #[test]

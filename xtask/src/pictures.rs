@@ -37,7 +37,12 @@ pub(crate) fn pictures() -> Result<(), Failure> {
     step("drawing");
     let replay = |more: &[&str], option: &str, name: &str| {
         harness(|c| {
-            c.arg("replay").args(&runs).args(["--task", TASK]).args(more).arg(option).arg(out.join(name))
+            c.arg("replay")
+                .args(&runs)
+                .args(["--task", TASK, "--force"])
+                .args(more)
+                .arg(option)
+                .arg(out.join(name))
         })
     };
     replay(&["--size", "560x316", "--fps", "8", "--speed", "4"], "--video", "drive.gif")?;

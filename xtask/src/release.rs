@@ -16,8 +16,6 @@ use crate::run::{Failure, cargo_program, output, remove, run, step};
 use crate::targets::TASKS;
 use crate::{built, default_plugin_dir, plugins, portable, target_dir};
 
-/// Texts of the repository in the archive.
-const TEXTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
 /// Time of the files, s since 1970, without git and without `SOURCE_DATE_EPOCH`.
 const TIME: u64 = 315_532_800;
 
@@ -100,8 +98,8 @@ fn files(program: &Path, shell: &Path, target: &str) -> Result<Files, Failure> {
     for entry in std::fs::read_dir(&pages).map_err(failure(&pages))?.flatten() {
         add(&Path::new(PAGES).join(entry.file_name()), read(&entry.path())?, 0o644);
     }
-    for file in TEXTS {
-        add(Path::new(file), read(&crate::root().join(file))?, 0o644);
+    for file in package::documents()? {
+        add(&file, read(&crate::root().join(&file))?, 0o644);
     }
     add(Path::new("LICENSE-THIRD-PARTY.txt"), licences::text(target)?.into_bytes(), 0o644);
     Ok(files)
@@ -157,7 +155,7 @@ pub(crate) fn install() -> Result<(), Failure> {
     run(&mut command)?;
     let files = plugins::to_drive_with()?;
     let files = files.iter().map(|name| default_plugin_dir().join(format!("{name}.wasm")));
-    run(Command::new(installed()).args(["plugin", "install"]).args(files))
+    run(Command::new(installed()).args(["plugin", "install", "--force"]).args(files))
 }
 
 /// Where cargo installs the program.

@@ -119,8 +119,12 @@ fn stage(folder: &Path, program: &Path, kernels: Option<&Path>, target: &str) ->
     for file in ["LICENSE-APACHE", "LICENSE-MIT"] {
         copy(&root.join(file), &folder.join(file))?;
     }
-    copy(&python.join("README.md"), &folder.join("README.md"))?;
+    // Messages name the pages.
+    for file in sources("docs")?.iter().filter(|file| file.extension().is_some_and(|e| e == "md")) {
+        copy(&root.join(file), &folder.join("vertibench").join(file))?;
+    }
     for (file, text) in [
+        ("README.md", package::without_links(&String::from_utf8_lossy(&read(&python.join("README.md"))?))),
         ("LICENSE-THIRD-PARTY.txt", licences::text(target)?),
         ("pyproject.toml", description(&String::from_utf8_lossy(&read(&python.join("pyproject.toml"))?))?),
     ] {

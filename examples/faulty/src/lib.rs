@@ -1,6 +1,6 @@
-//! A planner that fails on demand, to see what the harness makes of it.
+//! A planner that fails on demand, to test the harness.
 //!
-//! It stands still until the step `at`, then does what `fault` says; with `init-` before it, in `init`. Each step sends
+//! It stands still until the step `at`, then triggers `fault`; faults with the prefix `init-` occur in `init`. Each step sends
 //! the series `step`: its number and the time.
 
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -20,7 +20,7 @@ vb_sdk::export_planner! {
     }
 }
 
-/// How many planners this process has made: what planners must not remember.
+/// Number of planners of this process: state that planners must not keep.
 static MADE: AtomicU32 = AtomicU32::new(0);
 
 struct Faulty {
@@ -88,13 +88,13 @@ fn turn(steering: f64) -> Command {
     Command { steering, throttle: 0.3, ..Command::default() }
 }
 
-/// Of the time of day, which WASM planners don't get.
-#[allow(clippy::disallowed_methods, reason = "it is what planners must not do")]
+/// Nanoseconds of the time of day, which is not available to WASM planners.
+#[allow(clippy::disallowed_methods, reason = "planners must not do this")]
 fn nanoseconds() -> u32 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.subsec_nanos())
 }
 
-/// Deeper than any stack, but for the compiler a recursion that ends.
+/// Deeper than any stack, but a terminating recursion for the compiler.
 fn recurse(depth: u64) -> f64 {
     let frame = std::hint::black_box([depth; 16]);
     if frame[15] == u64::MAX { 0.0 } else { recurse(frame[15] + 1) + 1.0 }

@@ -1,8 +1,8 @@
-//! A policy that drives in an environment of `vertibench.envs`, as a planner: the smallest there is.
+//! A minimal policy of an environment of `vertibench.envs` as a planner.
 //!
-//! It sees the part `path` of an observation and answers with the action `speed`, both made by [`vb_sdk::policy`] as the environment
-//! makes them, so that it drives as it did there, bit for bit (`harness/python/tests/test_policy.py` compares them). A policy that
-//! was trained replaces [`act`] by its network (`vb_sdk::nn`), and names the parts that it was trained with.
+//! It observes the part `path` and returns the action `speed`, both from [`vb_sdk::policy`] as in the environment, so that its
+//! commands are bit-identical to those there (`harness/python/tests/test_policy.py` compares them). A trained policy replaces
+//! [`act`] by its network (`vb_sdk::nn`), and lists the parts of its training.
 
 use vb_sdk::policy::{ActionKind, Actuator, Layout, Observer, Sight};
 use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
@@ -12,7 +12,7 @@ vb_sdk::export_planner! {
     name: "policy",
     about: "A policy of an environment: steers to the path 6 m ahead",
     control_period: 0.1,
-    params: { speed: 0.0 => "the action that stands for the speed, from -1 (0 m/s) to 1 (6 m/s)" },
+    params: { speed: 0.0 => "speed action, from -1 (0 m/s) to 1 (6 m/s)" },
     needs: { pose }
 }
 
@@ -25,10 +25,10 @@ pub struct Policy {
     speed: f64,
 }
 
-/// The action for an observation: the steering, and what it is told of the speed.
+/// The action for an observation: steering, and the given speed.
 #[must_use]
 pub fn act(path: &[f32], speed: f64) -> [f64; 2] {
-    // Metres forward and to the left of the third point, which lies 6 m ahead along the path.
+    // Metres forward and to the left of the third point, which is 6 m ahead along the path.
     let (forward, left) = (f64::from(path[4]), f64::from(path[5]));
     [(1.5 * left / forward.abs().max(1.0)).clamp(-1.0, 1.0), speed]
 }

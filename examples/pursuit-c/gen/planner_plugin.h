@@ -73,8 +73,8 @@ typedef struct vertibench_planner_types_vehicle_t {
   double   max_steer_rate;
   // The turning radius of the reference point at full lock on flat ground, m.
   double   min_turn_radius;
-  // The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
-  // full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+  // The track of a slip-free differential drive with the same yaw rate at the same wheel speeds, at full lock, m; 0 for
+  // a vehicle without skid steering.
   double   effective_track;
   // The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
   double   turn_rate_in_place;
@@ -110,9 +110,9 @@ typedef struct {
 
 // Heights on a square grid.
 typedef struct vertibench_planner_types_height_map_t {
-  // The places at which the samples lie.
+  // The positions of the samples.
   vertibench_planner_types_grid_frame_t   frame;
-  // The `rows` · `cols` heights of the ground in the world frame, m, row-major with row 0 in the south; NaN where
+  // The `rows` · `cols` heights of the terrain in the world frame, m, row-major with row 0 in the south; NaN where
   // the height is unknown.
   planner_plugin_list_f32_t   data;
 } vertibench_planner_types_height_map_t;
@@ -124,7 +124,7 @@ typedef struct {
 
 // Labels on a square grid.
 typedef struct vertibench_planner_types_label_map_t {
-  // The places at which the samples lie.
+  // The positions of the samples.
   vertibench_planner_types_grid_frame_t   frame;
   // The `rows` · `cols` labels, row-major with row 0 in the south; 255 where the label is unknown.
   planner_plugin_list_u8_t   data;
@@ -152,12 +152,12 @@ typedef struct vertibench_planner_types_mount_t {
 
 // The spinning lidar of the vehicle.
 typedef struct vertibench_planner_types_lidar_info_t {
-  // The duration of a turn, which is the interval between scans, s.
+  // The duration of a scan, which is one revolution, s.
   double   period;
   // The number of beams: the rows of a scan, lowest first.
   uint32_t   rows;
-  // The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / `cols` in
-  // the sensor's frame, counter-clockwise from straight ahead.
+  // The number of directions per revolution: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π /
+  // `cols` in the sensor's frame, counter-clockwise from straight ahead.
   uint32_t   cols;
   // The elevation angle of the lowest beam above the sensor's horizon, rad.
   double   lowest;
@@ -167,7 +167,7 @@ typedef struct vertibench_planner_types_lidar_info_t {
   double   min_range;
   // The maximum measured distance, m.
   double   max_range;
-  // The place of the sensor on the vehicle.
+  // The pose of the sensor on the vehicle.
   vertibench_planner_types_mount_t   mount;
 } vertibench_planner_types_lidar_info_t;
 
@@ -187,7 +187,7 @@ typedef struct vertibench_planner_types_depth_info_t {
   double   max_depth;
   // Whether the images have a label for each pixel.
   bool   labels;
-  // The place of the sensor on the vehicle.
+  // The pose of the sensor on the vehicle.
   vertibench_planner_types_mount_t   mount;
 } vertibench_planner_types_depth_info_t;
 
@@ -227,7 +227,7 @@ typedef struct vertibench_planner_types_task_t {
   planner_plugin_string_t   id;
   // The vehicle.
   vertibench_planner_types_vehicle_t   vehicle;
-  // The heights of the ground that the perception profile provides, m; absent if it provides none.
+  // The terrain heights that the perception profile provides, m; absent if it provides none.
   vertibench_planner_types_option_height_map_t   elevation;
   // The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock,
   // 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none.
@@ -304,9 +304,9 @@ typedef struct vertibench_planner_types_gnss_fix_t {
   vertibench_planner_types_vec3_t   position;
 } vertibench_planner_types_gnss_fix_t;
 
-// A turn of the lidar.
+// A scan of the lidar: one revolution.
 typedef struct vertibench_planner_types_lidar_scan_t {
-  // The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
+  // The simulated time at the end of the scan, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
   // while the vehicle moved.
   double   time;
   // The `rows` · `cols` measured distances, m, row-major; 0 without an echo.
@@ -324,16 +324,16 @@ typedef struct vertibench_planner_types_depth_image_t {
   planner_plugin_list_u8_t   labels;
 } vertibench_planner_types_depth_image_t;
 
-// The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in its
-// middle, and its axes are those of the world frame, up to the error of the estimate.
+// The local map, built from lidar and depth camera at the estimated pose. The vehicle is at its centre, and its axes
+// are those of the world frame, up to the error of the estimate.
 typedef struct vertibench_planner_types_local_map_t {
   // The simulated time of the last update, s.
   double   time;
-  // The heights of the ground, m; NaN where they are unknown.
+  // The terrain heights, m; NaN for unknown cells.
   vertibench_planner_types_height_map_t   elevation;
-  // The terrain classes, with the numbers of the task's `semantics`; 255 where they are unknown.
+  // The terrain classes, with the numbers of the task's `semantics`; 255 for unknown cells.
   vertibench_planner_types_label_map_t   semantics;
-  // 1 for obstacles, 0 for ground, 255 where it is unknown.
+  // 1 for obstacles, 0 for free cells, 255 for unknown cells.
   vertibench_planner_types_label_map_t   occupancy;
 } vertibench_planner_types_local_map_t;
 
@@ -395,17 +395,17 @@ typedef struct vertibench_planner_types_observation_t {
   vertibench_planner_types_list_imu_sample_t   imu;
   // The last GNSS position (`gnss`).
   vertibench_planner_types_option_gnss_fix_t   gnss;
-  // The last turn of the lidar (`lidar`).
+  // The last scan of the lidar (`lidar`).
   vertibench_planner_types_option_lidar_scan_t   lidar;
   // The last image of the depth camera (`depth`).
   vertibench_planner_types_option_depth_image_t   depth;
-  // The map of the surroundings (`local-map`).
+  // The local map (`local-map`).
   vertibench_planner_types_option_local_map_t   local_map;
   // The engaged gear; neutral during a change of direction.
   vertibench_planner_types_gear_t   gear;
   // The engine speed, rad/s.
   double   engine_speed;
-  // The present steering of the wheels, which follows the command at `max-steer-rate`, in [-1, 1], positive to the left.
+  // The current wheel steering, which follows the command at `max-steer-rate`, in [-1, 1], positive to the left.
   double   steering;
   // The steering command applied until now, after clamping; 0 at first.
   double   last_steering;
@@ -415,7 +415,7 @@ typedef struct vertibench_planner_types_observation_t {
   double   last_brake;
 } vertibench_planner_types_observation_t;
 
-// Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost.
+// Numbers that the harness records with the trajectory, e.g. rollouts or costs.
 typedef struct vertibench_planner_types_series_t {
   // The name of the series, constant over a task.
   planner_plugin_string_t   name;

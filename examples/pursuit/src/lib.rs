@@ -28,10 +28,10 @@ impl Planner for Pursuit {
 
     fn step(&mut self, o: &Observation) -> Result<Command, PlannerError> {
         let pose = o.pose()?;
-        // No vehicle has such numbers. NaN is not below anything, so it is refused too.
+        // Rejects implausible numbers. Comparisons with NaN are false, so NaN is rejected, too.
         let seen = [pose.position.x, pose.position.y, pose.yaw, pose.linear_velocity.x];
         if !seen.iter().all(|value| value.abs() < 1e9) {
-            return Err(PlannerError::new(format!("position, heading or speed makes no sense: {seen:?}")));
+            return Err(PlannerError::new(format!("invalid position, heading or speed: {seen:?}")));
         }
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.ahead);

@@ -1,13 +1,13 @@
-//! A sampling planner whose model of the vehicle is a small network, to start from and to measure: 1000 roll-outs of 20
+//! A sampling planner with a small network as the vehicle model, as a template and for benchmarks: 1000 rollouts of 20
 //! steps each through a network of 6-64-64-6 units (`cargo bench -p vb-host --bench planners`).
 //!
-//! It steers by model predictive path integral control (Williams et al., "Information theoretic MPC for model-based
-//! reinforcement learning", ICRA 2017). A kinematic bicycle gives the motion and the network what is to be added to it.
-//! The network isn't trained: its weights are random and its share of the motion is small.
+//! It uses model predictive path integral control (Williams et al., "Information theoretic MPC for model-based
+//! reinforcement learning", ICRA 2017). A kinematic bicycle predicts the motion, and the network a correction.
+//! The network is untrained: its weights are random and its correction is small.
 //!
-//! What makes it fast in WASM under all that determinism asks for: all arithmetic on blocks of samples in arrays of fixed
-//! size, which the compiler turns into SIMD, no function of a library in the inner loops, and the network in 16-bit
-//! integers (`vb_sdk::nn::FixedNetwork` says why).
+//! It is fast in deterministic WASM because all arithmetic is on blocks of samples in arrays of fixed size, which the
+//! compiler vectorises, the inner loops call no library functions, and the network uses 16-bit integers
+//! (`vb_sdk::nn::FixedNetwork`).
 
 use std::cell::RefCell;
 
@@ -20,30 +20,30 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
 vb_sdk::export_planner! {
     planner: Rollouts,
     name: "rollouts",
-    about: "Samples commands and rolls a small network out; untrained, for measuring",
+    about: "MPPI with a small untrained network, for benchmarks",
     control_period: 0.1,
     params: {
-        arithmetic: "fixed" => "of the network: fixed (16-bit integers) or float",
-        samples: 1000 => "roll-outs a step; a multiple of 8",
-        horizon: 20 => "steps of a roll-out, 0.1 s each",
+        arithmetic: "fixed" => "arithmetic of the network: fixed (16-bit integers) or float",
+        samples: 1000 => "rollouts per control period; a multiple of 8",
+        horizon: 20 => "steps per rollout, 0.1 s each",
         speed: 4.0 => "target speed, m/s",
-        spread: 0.3 => "standard deviation of sampled steering, of full steering",
-        temperature: 0.1 => "of the weights, over the spread of costs",
+        spread: 0.3 => "standard deviation of sampled steering, fraction of full lock",
+        temperature: 0.1 => "temperature, in units of the mean cost above the minimum",
     }
 }
 
-/// Time of one step of a roll-out, s.
+/// Step length of rollouts, s.
 const STEP: f32 = 0.1;
-/// Share of the network's output in the motion.
+/// Weight of the network's output in the motion.
 const SHARE: f32 = 0.01;
-/// Distance of the point on the path that roll-outs should come near, m at full scale.
+/// Look-ahead distance of the point that rollouts approach, m at full scale.
 const AHEAD: f64 = 8.0;
 
-/// Numbers that go into the network and come out of it, and its hidden units.
+/// Inputs, outputs and hidden units of the network.
 const WIDTH: usize = 6;
 const HIDDEN: usize = 64;
 
-/// What is added to the bicycle's motion.
+/// The correction of the bicycle's motion.
 enum Model {
     Float(Network, RefCell<Scratch>),
     Fixed(FixedNetwork, RefCell<FixedScratch>),
@@ -101,7 +101,7 @@ impl Planner for Rollouts {
         let blocks = samples / LANES;
         let mut rng = Rng::new(task.seed);
         let layers = [(WIDTH, HIDDEN), (HIDDEN, HIDDEN), (HIDDEN, WIDTH)].map(|(i, o)| layer(i, o, &mut rng));
-        let unfit = || PlannerError::new("the network doesn't fit");
+        let unfit = || PlannerError::new("the network does not match");
         let network = Network::new(layers.into()).ok_or_else(unfit)?;
         let model = match task.param_as::<String>("arithmetic")?.as_str() {
             "float" => Model::Float(network, RefCell::default()),
@@ -151,12 +151,12 @@ impl Planner for Rollouts {
 }
 
 impl Rollouts {
-    /// Draws the steering of all roll-outs about the plan.
+    /// Samples the steering of all rollouts around the plan.
     fn sample(&mut self) {
         for block in self.noise.chunks_exact_mut(self.plan.len()) {
             for (samples, mean) in block.iter_mut().zip(&self.plan) {
                 for sample in samples {
-                    // The sum of three uniform numbers is nearly normal and takes no logarithm; its variance is 1.
+                    // The sum of three uniform numbers is approximately normal, without a logarithm; its variance is 1.
                     let sum: f64 = (0..3).map(|_| self.rng.uniform(-1.0, 1.0)).sum();
                     *sample = (mean + (self.spread * sum) as f32).clamp(-1.0, 1.0);
                 }
@@ -164,7 +164,7 @@ impl Rollouts {
         }
     }
 
-    /// Costs of a block of roll-outs: squared distances from the goal, over the horizon.
+    /// Costs of a block of rollouts: squared distances from the goal, over the horizon.
     fn roll_out(&self, steering: &[Lanes], speed: f32, goal: [f32; 2]) -> Lanes {
         let turn = (self.vehicle.max_steer_angle / self.vehicle.wheelbase) as f32;
         let target = self.speed as f32;
@@ -176,7 +176,7 @@ impl Rollouts {
             let change = self.model.forward(&[*command, v, rate, along, across, [1.0; LANES]]);
             for k in 0..LANES {
                 rate[k] = v[k] * turn * command[k] + SHARE * change[0][k];
-                // The heading as a vector, turned by a small angle and brought back to length 1 by one step of Newton's.
+                // The heading as a vector, rotated by a small angle and normalised by one Newton step.
                 let angle = rate[k] * STEP;
                 let (a, b) = (along[k] - angle * across[k], across[k] + angle * along[k]);
                 let length = 1.5 - 0.5 * (a * a + b * b);

@@ -1,8 +1,8 @@
-//! Pure pursuit by the estimated pose that waits before obstacles: a planner that asks for every sensor.
+//! Pure pursuit with the estimated pose that stops before obstacles: a planner that requests every sensor.
 //!
-//! It shows how the sensors are read. What they tell is recorded beside the trajectory: the nearest return of the lidar, the
-//! share of the map of the surroundings that is known, the number of inertial measurements since the last step, and how far the
-//! position from satellites is off the estimate.
+//! It is an example of reading sensors, and records as debug series: the nearest return of the lidar, the known fraction of
+//! the local map, the number of inertial measurements since the last step, and the distance between GNSS position and
+//! estimate.
 
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
@@ -13,7 +13,7 @@ use vb_sdk::{
 vb_sdk::export_planner! {
     planner: Watch,
     name: "watch",
-    about: "Drives the circle through a point ahead, waits before obstacles, and records what every sensor tells",
+    about: "Pure pursuit that stops before obstacles, and records every sensor",
     control_period: 0.1,
     params: { speed: 3.0 => "target speed, m/s at full scale", ahead: 6.0 => "distance of the point ahead, m at full scale" },
     needs: { pose, wheel_odometry, imu: 100, gnss: 5, lidar: 10, depth: 5, local_map: 5 }
@@ -26,7 +26,7 @@ pub struct Watch {
     lidar: LidarInfo,
     speed: f64,
     ahead: f64,
-    /// Whether an obstacle was in the way when the surroundings were last seen.
+    /// Whether the last local map contains an obstacle ahead.
     blocked: bool,
 }
 
@@ -76,7 +76,7 @@ impl Planner for Watch {
 }
 
 impl Watch {
-    /// Whether an obstacle lies within the vehicle's width on the next metres straight ahead.
+    /// Whether an obstacle is within the vehicle's width on the next metres straight ahead.
     fn is_blocked(&self, map: &LocalMap, pose: &Pose) -> bool {
         let (sin, cos) = math::sin_cos(pose.yaw);
         let half = [0.5 * self.vehicle.length, 0.5 * self.vehicle.width];

@@ -1,7 +1,6 @@
-//! Commands that no planner would give, drawn at random: what the simulator is soaked with (`cargo xtask soak`), and the
-//! least that any planner must beat.
+//! Random extreme commands, for soak tests of the simulator (`cargo xtask soak`), and as a baseline for planners.
 //!
-//! A drive is a chain of phases of a fifth of a second to four seconds. Each phase has one way of misusing the vehicle:
+//! A drive is a chain of phases of a fifth of a second to four seconds. Each phase misuses the vehicle in one way:
 //! full throttle ahead, full throttle at full lock, full brakes at speed, slalom from lock to lock, all pedals at once, or
 //! new commands at every step. In every other phase it steers along the global path, so that it reaches more of the world
 //! than the surroundings of its start.
@@ -13,23 +12,23 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Pose, Task, math};
 vb_sdk::export_planner! {
     planner: Wild,
     name: "wild",
-    about: "Commands that no planner would give, to test the simulator",
+    about: "Random extreme commands, to test the simulator",
     control_period: 0.02,
     params: {
-        brakes: true => "whether it brakes at all; without brakes it goes faster",
+        brakes: true => "whether it brakes; without brakes it is faster",
     }
 }
 
-/// How the vehicle is misused for a while.
+/// The kind of misuse in a phase.
 #[derive(Clone, Debug, PartialEq)]
 enum Phase {
     /// Along the path, with this throttle.
     Follow { throttle: f64 },
-    /// The same commands all the time.
+    /// Constant commands.
     Hold(Command),
     /// Full throttle from lock to lock.
     Slalom { period: f64 },
-    /// Other commands at every step.
+    /// New random commands at every step.
     Noise,
 }
 
@@ -43,7 +42,7 @@ pub struct Wild {
     phase: Phase,
     /// When the phase ends, s since the start.
     until: f64,
-    /// How many phases there were.
+    /// Number of phases so far.
     count: u32,
 }
 

@@ -10,6 +10,7 @@ use vb_replay::film::FilmError;
 use vb_report::ReportError;
 use vb_runner::conformance::KitError;
 use vb_runner::{MergeError, RunError};
+use vb_score::RescoreError;
 use vb_submission::SubmissionError;
 use vb_suite::generate::GenerateError;
 use vb_suite::proof::ProofError;
@@ -185,6 +186,15 @@ impl From<ReportError> for CliError {
             | ReportError::Label { .. }
             | ReportError::LabelTaken { .. } => Self::usage(e),
             ReportError::Empty(_) | ReportError::Suites { .. } => Self::input(e),
+        }
+    }
+}
+
+impl From<RescoreError> for CliError {
+    fn from(e: RescoreError) -> Self {
+        match e {
+            RescoreError::Store(e) => e.into(),
+            RescoreError::NoTraces(_) => Self::input(e),
         }
     }
 }

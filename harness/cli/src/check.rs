@@ -70,7 +70,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), CliError> {
         report.checks.iter().filter(|c| c.verdict == Verdict::Fail).map(|c| c.name).collect();
     let failed = failed.join(", ");
     Err(CliError::not_conforming(format!(
-        "the planner failed these checks: {failed} (what to do is told with each)"
+        "the planner failed these checks: {failed} (see the hint of each check)"
     )))
 }
 

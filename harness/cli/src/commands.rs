@@ -18,6 +18,7 @@ enum Message<'a> {
 }
 
 pub(crate) fn commands(args: &CommandsArgs) -> Result<(), CliError> {
+    output::must_not_replace(&args.out, args.force)?;
     output::must_be_replaceable(&args.out)?;
     let reader = RunReader::open(&args.run)?;
     let (mut tasks, mut departures) = (Vec::new(), BTreeSet::new());
@@ -38,7 +39,7 @@ pub(crate) fn commands(args: &CommandsArgs) -> Result<(), CliError> {
             let planned = reader.header().tasks;
             if (tasks as u64) < planned {
                 output::say(&format!(
-                    "note: the run has {planned} tasks; without results the others have no commands"
+                    "note: the run has {planned} tasks; tasks without results have no commands"
                 ));
             }
         }

@@ -56,9 +56,8 @@ pub(crate) struct CliError {
 
 impl CliError {
     fn new(code: u8, message: impl fmt::Display) -> Self {
-        // Texts of libraries may span lines; ours never do.
-        let message = message.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" ");
-        Self { code, message }
+        // Texts of libraries may span lines; ours never do. Nothing is cut, since the advice is at the end.
+        Self { code, message: vb_files::cut_line(&message.to_string(), usize::MAX) }
     }
 
     pub(crate) fn internal(message: impl fmt::Display) -> Self {

@@ -22,21 +22,21 @@ pub(crate) fn write(report: &Report, suite: Option<&Path>, path: &Path) -> Resul
     let nowhere = |what: &str| CliError::input(format!("--geojson: suite {} {what}", suite.meta().name));
     let Provenance::Imported { place: Some(place), .. } = &suite.meta().provenance else {
         return Err(nowhere(
-            "doesn't say where it lies on the Earth: make it with suite site from a file with a coordinate system, or with --crs",
+            "has no georeference: create it with suite site from a file with a coordinate system, or with --crs",
         ));
     };
     let system = Crs::parse(place.proj.as_deref().unwrap_or(&place.crs)).ok();
     let globe = system.and_then(|crs| crs.to_globe());
     let globe =
-        globe.ok_or_else(|| nowhere(&format!("lies in {}, which has no known projection", place.crs)))?;
+        globe.ok_or_else(|| nowhere(&format!("is in {}, which has no known projection", place.crs)))?;
     let mut features = Vec::new();
     for run in runs {
-        let reader = RunReader::open(&run.dir).map_err(CliError::input)?;
+        let reader = RunReader::open(&run.dir)?;
         for row in &run.rows {
-            if !reader.has_trace(&row.task).map_err(CliError::input)? {
+            if !reader.has_trace(&row.task)? {
                 continue;
             }
-            let trace = reader.trace(&row.task).map_err(CliError::input)?;
+            let trace = reader.trace(&row.task)?;
             // A run at another scale has the world smaller than it is on the Earth.
             let at = |x: f64, y: f64| {
                 let [lon, lat] = globe
@@ -44,8 +44,7 @@ pub(crate) fn write(report: &Report, suite: Option<&Path>, path: &Path) -> Resul
                 Some([lon, lat].map(|v| (v * DECIMALS).round() / DECIMALS))
             };
             let line: Option<Vec<_>> = trace.samples.iter().map(|s| at(s.x, s.y)).collect();
-            let line =
-                line.ok_or_else(|| nowhere(&format!("has no place on the Earth for task {}", row.task)))?;
+            let line = line.ok_or_else(|| nowhere(&format!("has no georeference for task {}", row.task)))?;
             // A line has two places at least.
             if line.len() < 2 {
                 continue;

@@ -65,7 +65,7 @@ fn must_hold_submissions(dir: &Path) -> Result<(), CliError> {
     let real = std::fs::canonicalize(dir).unwrap_or_else(|_| dir.to_owned());
     let parent = real.parent().map_or_else(|| "its parent".to_owned(), |p| p.display().to_string());
     Err(CliError::usage(format!(
-        "{} is itself a submission, not a directory with a folder for each (give the directory that it lies in: {parent})",
+        "{} is itself a submission, not a directory of submissions (give its parent directory: {parent})",
         dir.display()
     )))
 }

@@ -151,7 +151,7 @@ fn planners(dirs: &[PathBuf]) -> Result<Vec<Entry>, CliError> {
     }
     if files.is_empty() {
         return Err(CliError::input(format!(
-            "no planners are found (install some with vb-harness plugin install, or set {} to a directory with some)",
+            "no planners found (install planners with vb-harness plugin install, or set {} to a directory with planners)",
             vb_catalog::PLUGINS_VAR
         )));
     }

@@ -80,7 +80,7 @@ fn report_large_files() {}
 /// What is said where a part of the program was left out of it (features in `Cargo.toml`).
 fn missing(what: &str, feature: &str) -> String {
     format!(
-        "{what} are not part of this program, which was built without the feature {feature} (build all of it with `cargo build --release \
+        "{what} are not available in this build without the feature {feature} (build with all features: `cargo build --release \
          --package vb-harness`)"
     )
 }
@@ -103,7 +103,7 @@ fn usage_of(e: &clap::Error, given: &[String]) -> error::CliError {
     if e.kind() == ErrorKind::MissingSubcommand
         || e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
     {
-        return error::CliError::usage("no command is given, such as run pid.wasm (see --help)");
+        return error::CliError::usage("no command given, e.g. run pid.wasm (see --help)");
     }
     if is_of_planner(e) {
         return error::CliError::usage(
@@ -158,18 +158,18 @@ fn meant(text: &str, given: &[String]) -> Option<String> {
         return Some(missing("its commands", feature));
     }
     if let Some(planner) = unknown("unrecognized subcommand '").filter(is_planner) {
-        return Some(format!("a planner is run by: vb-harness run {planner}"));
+        return Some(format!("to run a planner: vb-harness run {planner}"));
     }
     if let Some(planner) = unknown("unexpected argument '").filter(is_planner) {
-        return Some(format!("a planner is given by --plugin {planner}"));
+        return Some(format!("give the planner with --plugin {planner}"));
     }
     let words: Vec<&str> = given.iter().map(String::as_str).filter(|word| !word.starts_with('-')).collect();
     match (words.first(), words.get(1)) {
         (Some(&"tasks"), second) if second != Some(&"list") => {
-            Some(format!("tasks are listed by: vb-harness tasks list {}", given[1..].join(" ")))
+            Some(format!("to list tasks: vb-harness tasks list {}", given[1..].join(" ")))
         }
         (Some(group @ (&"suite" | &"vehicle")), Some(&"list")) => {
-            Some(format!("{group}s are listed by: vb-harness list {group}s"))
+            Some(format!("to list {group}s: vb-harness list {group}s"))
         }
         _ => None,
     }
@@ -191,18 +191,18 @@ mod tests {
     fn mistakes_are_told_with_what_may_be_meant() {
         let planner = "give one planner, as an argument, e.g. pid.wasm, or with --plugin, e.g. --plugin pid.wasm (see --help)";
         for (line, wanted) in [
-            ("", "no command is given, such as run pid.wasm (see --help)"),
+            ("", "no command given, e.g. run pid.wasm (see --help)"),
             ("run", planner),
             ("check --suite smoke", planner),
             ("run a.wasm --plugin b.wasm", planner),
             ("inspect --plugin b.wasm a.wasm", planner),
-            ("pid.wasm", "(a planner is run by: vb-harness run pid.wasm; see --help)"),
-            ("verify s pid.wasm", "(a planner is given by --plugin pid.wasm; see --help)"),
+            ("pid.wasm", "(to run a planner: vb-harness run pid.wasm; see --help)"),
+            ("verify s pid.wasm", "(give the planner with --plugin pid.wasm; see --help)"),
             ("submit a.wasm", "the following required arguments were not provided: --out <DIR> (see --help)"),
-            ("tasks --suite smoke", "(tasks are listed by: vb-harness tasks list --suite smoke; see --help)"),
+            ("tasks --suite smoke", "(to list tasks: vb-harness tasks list --suite smoke; see --help)"),
             (
                 "suite list",
-                "unrecognized subcommand 'list' (suites are listed by: vb-harness list suites; see --help)",
+                "unrecognized subcommand 'list' (to list suites: vb-harness list suites; see --help)",
             ),
             ("run a.wasm --seed 1.5", "'--seed <N>': want a whole number that is not below 0 (see --help)"),
             ("sweep run sp.yaml --tasks w001", "unexpected argument '--tasks' found (see --help)"),

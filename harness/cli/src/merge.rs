@@ -35,7 +35,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
     }
     shards.sort();
     shards.dedup();
-    let first = RunReader::open(&shards[0]).map_err(CliError::input)?;
+    let first = RunReader::open(&shards[0])?;
     let suite = places::suite_of(first.header(), args.suite.as_deref())?;
     let merged = vb_runner::merge(&shards, &suite, &args.out)?;
     let summary = &merged.summary;
@@ -52,12 +52,12 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
             output::text(&vb_files::printable(&summary.table(output::width())));
             if !merged.twice.is_empty() {
                 let (n, which) = (merged.twice.len(), some(&merged.twice));
-                output::say(&format!("{n} tasks were driven twice, with the same results: {which}"));
+                output::say(&format!("{n} tasks were run twice, with equal results: {which}"));
             }
             if !merged.untraced.is_empty() {
                 let (n, which) = (merged.untraced.len(), some(&merged.untraced));
                 output::say(&format!(
-                    "{n} tasks have no trace, for their shards have lost it: {which} (they can't be scored again or replayed)"
+                    "{n} tasks have no trace, because their shards lost it: {which} (they can't be scored again or replayed)"
                 ));
             }
             output::say(&format!("results: {}", args.out.display()));
@@ -65,7 +65,7 @@ pub(crate) fn merge(args: &MergeRunArgs) -> Result<(), CliError> {
     }
     if !merged.missing.is_empty() {
         return Err(CliError::incomplete(format!(
-            "{} of {} tasks are missing: {} (the command of the shards without --shard, but with --out {} --resume, drives them)",
+            "{} of {} tasks are missing: {} (run them with the command of the shards without --shard, but with --out {} --resume)",
             merged.missing.len(),
             summary.planned,
             some(&merged.missing),

@@ -63,7 +63,7 @@ pub(crate) fn check(written: std::io::Result<()>) {
 pub(crate) fn failure() -> Option<CliError> {
     let why = FAILURE.get()?;
     Some(CliError::output(format!(
-        "cannot write to the standard output: {why} (free some space, or send it elsewhere)"
+        "cannot write to the standard output: {why} (free some space, or redirect it)"
     )))
 }
 
@@ -172,11 +172,11 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     for (k, own) in places.iter().enumerate() {
         let Some(own) = own else { continue };
         if places[..k].iter().any(|other| other.as_ref() == Some(own)) && !is_stream(own) {
-            return Err(CliError::usage(format!("{}: two files would be written there", files[k].display())));
+            return Err(CliError::usage(format!("{}: two outputs have this path", files[k].display())));
         }
         if let Some(run) = runs.iter().find(|run| place(run).is_some_and(|dir| RunReader::owns(&dir, own))) {
             return Err(CliError::usage(format!(
-                "{} is a file of the run {}, and would be lost (name another file)",
+                "{} is a file of the run {} and would be overwritten (give another file)",
                 files[k].display(),
                 run.display()
             )));
@@ -185,13 +185,13 @@ pub(crate) fn must_spare(files: &[&Path], runs: &[PathBuf]) -> Result<(), CliErr
     Ok(())
 }
 
-/// Refuses to replace a file of an earlier call, unless the user wants it.
+/// Refuses to replace a file of an earlier call, unless the user wants it. A pipe or a device is not replaced.
 pub(crate) fn must_not_replace(file: &Path, force: ForceArgs) -> Result<(), CliError> {
-    if force.force || !file.exists() {
+    if force.force || !file.exists() || is_stream(file) {
         return Ok(());
     }
     Err(CliError::output(format!(
-        "{} is there already (choose another --out, or replace it with --force)",
+        "{} already exists (choose another place, or replace it with --force)",
         file.display()
     )))
 }
@@ -300,6 +300,21 @@ mod tests {
         assert!(must_be_writable(dir.path()).is_err() && must_be_replaceable(dir.path()).is_err());
     }
 
+    #[test]
+    fn a_file_is_replaced_only_with_force() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.csv");
+        let [kept, forced] = [false, true].map(|force| ForceArgs { force });
+        must_not_replace(&path, kept).unwrap();
+        write(&path, "one").unwrap();
+        let e = must_not_replace(&path, kept).unwrap_err();
+        assert_eq!(e.code(), crate::error::OUTPUT);
+        assert!(e.to_string().contains("a.csv is there already") && e.to_string().contains("--force"), "{e}");
+        must_not_replace(&path, forced).unwrap();
+        #[cfg(unix)]
+        must_not_replace(Path::new("/dev/null"), kept).unwrap();
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_link_is_followed_and_a_device_gets_its_content() {
@@ -338,7 +353,7 @@ mod tests {
             assert!(e.contains(file) && e.contains("is a file of the run"), "{e}");
         }
         let e = spared(&[at("a.csv"), at("run/../a.csv")]).unwrap_err().to_string();
-        assert!(e.contains("two files would be written there"), "{e}");
+        assert!(e.contains("two outputs have this path"), "{e}");
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(at("run/tasks.jsonl"), at("link")).unwrap();

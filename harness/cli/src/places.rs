@@ -43,11 +43,11 @@ pub(crate) fn suite_of(header: &RunHeader, wanted: Option<&Path>) -> Result<Suit
     opened.into_iter().find(|s| s.hash() == header.suite.hash).ok_or_else(|| {
         let looked: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
         let place = match looked.is_empty() {
-            true => "among those that come with the harness".to_owned(),
+            true => "one of the built-in suites".to_owned(),
             false => format!("at {}", looked.join(" nor at ")),
         };
         CliError::input(format!(
-            "suite {} of the run (hash {}) is not {place} (name its folder with --suite)",
+            "suite {} of the run (hash {}) is not {place} (give its folder with --suite)",
             header.suite.name,
             header.suite.hash.get(..12).unwrap_or(&header.suite.hash),
         ))

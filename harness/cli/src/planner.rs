@@ -26,8 +26,8 @@ pub(crate) fn load(wanted: &Path, limits: &Limits, require_sandbox: bool) -> Res
     if !missing.is_empty() {
         let missing = missing.join(", ");
         output::say(&format!(
-            "warning: this system can't confine native planners by {missing}; run only planners that you trust, or \
-             refuse them by --require-sandbox"
+            "warning: this system cannot sandbox native planners with {missing}; run only trusted planners, or \
+             reject them with --require-sandbox"
         ));
     }
     Ok(plugin)
@@ -90,13 +90,15 @@ fn elsewhere(dirs: &[PathBuf]) -> String {
     let named: Vec<_> = dirs.iter().map(|dir| dir.display().to_string()).collect();
     let variable = vb_catalog::PLUGINS_VAR;
     match &named[..] {
-        [] => "; no planners are installed: give a path, or install some by `vb-harness plugin install`"
-            .to_owned(),
+        [] => {
+            "; no planners are installed: give a path, or install planners with `vb-harness plugin install`"
+                .to_owned()
+        }
         [one] if std::env::var_os(variable).is_some_and(|v| !v.is_empty()) => {
-            format!("; it isn't in {one} either, which {variable} names")
+            format!("; it is not in {one} ({variable}) either")
         }
         _ => {
-            format!("; it isn't in {} either, where planners are found by their file names", named.join(", "))
+            format!("; it is not in {} either", named.join(", "))
         }
     }
 }
@@ -104,7 +106,7 @@ fn elsewhere(dirs: &[PathBuf]) -> String {
 /// Refuses a command where the user demands a sandbox.
 pub(crate) fn can_be_confined(wanted: &Path, require_sandbox: bool) -> Result<(), CliError> {
     if require_sandbox && command(wanted).is_some() {
-        return Err(CliError::usage("--require-sandbox: a command can't be confined (give a WASM file)"));
+        return Err(CliError::usage("--require-sandbox: a command cannot be sandboxed (give a WASM file)"));
     }
     Ok(())
 }

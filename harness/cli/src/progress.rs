@@ -126,7 +126,7 @@ impl Progress {
         match &self.kind {
             Kind::Json => output::json(&Message::Started { run, total, resumed }),
             Kind::Lines if resumed > 0 => {
-                output::note(&format!("{resumed} of {total} tasks are done already"))
+                output::note(&format!("{resumed} of {total} tasks are already finished"))
             }
             Kind::Quiet | Kind::Lines => {}
             Kind::Bar(_) => self.show_bar(),

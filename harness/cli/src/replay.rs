@@ -41,6 +41,7 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     let (own, drawn) = (args.out.iter().chain(&args.mcap), args.film.video.iter().chain(&args.film.png));
     let files: Vec<&Path> = own.clone().chain(drawn.clone()).map(PathBuf::as_path).collect();
     output::must_spare(&files, &args.runs)?;
+    files.iter().try_for_each(|path| output::must_not_replace(path, args.force))?;
     // What can't be written is said before anything is simulated or drawn.
     own.into_iter().try_for_each(|path| output::must_be_writable(path))?;
     drawn.into_iter().try_for_each(|path| output::must_be_replaceable(path))?;
@@ -66,8 +67,8 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<(), CliError> {
     })?;
     for r in replay.runs.iter().filter(|r| r.motion.repeat == Repeat::Samples) {
         output::say(&format!(
-            "{}: shown from its samples, without ruts: the simulation can't be repeated by them with the data at hand (run with --trace \
-             full, with this version and these vehicle and soil files, to repeat it)",
+            "{}: shown from its samples, without ruts, because the simulation cannot be reproduced with these data (run with --trace \
+             full, this version and these vehicle and soil files to reproduce it)",
             r.label
         ));
     }
@@ -123,7 +124,7 @@ pub(crate) fn open(path: &Path) {
     let screen =
         ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some_and(|v| !v.is_empty()));
     if (cfg!(target_os = "linux") && !screen) || open::that_detached(path).is_err() {
-        output::say(&format!("no browser here: open {} in one", path.display()));
+        output::say(&format!("no browser found: open {} in a browser", path.display()));
     }
 }
 
@@ -216,8 +217,8 @@ impl Senses<'_> {
         let profile = places::catalog().perception(name)?;
         if self.perception.is_none() && profile.sha256() != header.perception.hash {
             output::say(&format!(
-                "the perception profile {name} at hand is not that of the run: what its sensors measured is not shown (replay shows it by \
-                 the run's file, which --perception names)"
+                "the available perception profile {name} differs from that of the run, so its sensor data are not shown (give the run's \
+                 file with --perception)"
             ));
             return Ok(None);
         }
@@ -285,7 +286,7 @@ impl Player {
         let world = match &self.world {
             Some(world) if world.id == task.world() => world.clone(),
             _ => {
-                let world = self.suite.load_world(task.world()).map_err(CliError::input)?;
+                let world = self.suite.load_world(task.world())?;
                 Arc::new(world.at_scale(scale))
             }
         };
@@ -295,13 +296,13 @@ impl Player {
         let mut runs = Vec::new();
         for part in &self.parts {
             let Some(record) = part.records.get(task) else { return Ok(None) };
-            if !part.reader.has_trace(task).map_err(CliError::input)? {
+            if !part.reader.has_trace(task)? {
                 return Err(CliError::input(ReplayError::NoTrace {
                     dir: part.reader.dir().to_owned(),
                     task: task.clone(),
                 }));
             }
-            let trace = part.reader.trace(task).map_err(CliError::input)?;
+            let trace = part.reader.trace(task)?;
             let repeated = part.soils.as_ref().zip(part.rules.as_ref()).and_then(|(soils, rules)| {
                 let start = vb_trial::start(rules.start, scale);
                 let header = &part.header;
@@ -329,7 +330,7 @@ impl Player {
                 vehicle: Arc::new(part.vehicle.spec().clone()),
                 motion,
                 sensed,
-                series: PlannerSeries::new(part.reader.debug(task).map_err(CliError::input)?),
+                series: PlannerSeries::new(part.reader.debug(task)?),
             });
         }
         let goal_radius = self.parts[0].rules.as_ref().map(|rules| rules.goal_radius(scale));
@@ -353,22 +354,20 @@ fn part(
     let header = r.header.clone();
     let vehicle = places::catalog()
         .vehicle(data.vehicle.as_deref().unwrap_or(&header.vehicle.name))
-        .map_err(|e| CliError::input(format!("{e}; --vehicle names the run's")))?;
+        .map_err(|e| CliError::input(format!("{e}; give the run's vehicle with --vehicle")))?;
     let same_vehicle = vehicle.hash == header.vehicle.hash;
     let soils = places::catalog()
         .soils(data.soils.as_deref().unwrap_or(&header.soils.name), header.soil_resolution)
         .ok();
     let spec: VehicleSpec = vehicle.spec;
     let vehicle = VehicleModel::new(spec).map_err(CliError::input)?;
-    let reader = RunReader::open(&r.dir).map_err(CliError::input)?;
+    let reader = RunReader::open(&r.dir)?;
     let mut records = BTreeMap::new();
-    reader
-        .each_record(|record: TaskRecord| {
-            if tasks.contains(&record.task) {
-                records.insert(record.task.clone(), record);
-            }
-        })
-        .map_err(CliError::input)?;
+    reader.each_record(|record: TaskRecord| {
+        if tasks.contains(&record.task) {
+            records.insert(record.task.clone(), record);
+        }
+    })?;
     Ok(Part {
         soils: soils.filter(|s| same_vehicle && s.hash == header.soils.hash),
         rules: Rules::recorded(&header).ok(),

@@ -68,13 +68,15 @@ fn page_dir(args: &ReportArgs) -> Option<PathBuf> {
 pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError> {
     let page_dir = page_dir(args);
     if args.figures.as_deref() == Some(Path::new("-")) {
-        return Err(CliError::usage("--figures - : figures are many files (name a directory for them)"));
+        return Err(CliError::usage("--figures - : figures are several files (give a directory)"));
     }
     if args.replays.is_some() && page_dir.is_none() {
-        return Err(CliError::usage("--replays: replays are linked from the page (add --out DIR)"));
+        return Err(CliError::usage("--replays: replays are linked from the HTML report (add --out DIR)"));
     }
     if args.maps.is_some() && page_dir.is_none() && args.figures.is_none() {
-        return Err(CliError::usage("--maps: maps are pages or figures (add --out DIR or --figures DIR)"));
+        return Err(CliError::usage(
+            "--maps: maps are HTML files or figures (add --out DIR or --figures DIR)",
+        ));
     }
     let figures_in = match &args.figures {
         Some(dir) => Some((dir, Paper::new(args.figure_width, args.figure_font).map_err(CliError::usage)?)),
@@ -90,6 +92,7 @@ pub(crate) fn make(args: &ReportArgs) -> Result<(Report, Vec<PathBuf>), CliError
     if let Some(page) = page.as_ref().filter(|_| !own) {
         output::must_not_replace(page, args.force)?;
     }
+    tables.clone().try_for_each(|path| output::must_not_replace(path, args.force))?;
     if let Some(dir) = &args.figures {
         output::must_be_empty(dir, args.force)?;
     }
@@ -211,7 +214,7 @@ impl Worlds {
         let first = &runs[0];
         if let Some(other) = runs.iter().find(|r| r.header.scale != first.header.scale) {
             return Err(CliError::usage(format!(
-                "--maps: runs {} and {} have worlds of different scale, which are on no common map (report them one by one)",
+                "--maps: runs {} and {} have worlds of different scale, which have no common map (report them one by one)",
                 first.dir.display(),
                 other.dir.display()
             )));
@@ -225,7 +228,7 @@ impl Worlds {
     }
 
     fn load(&self, id: &str) -> Result<World, CliError> {
-        Ok(self.suite.load_world(id).map_err(CliError::input)?.at_scale(self.scale))
+        Ok(self.suite.load_world(id)?.at_scale(self.scale))
     }
 }
 

@@ -94,8 +94,8 @@ fn drive_with(
     let again = again(&config.out);
     if let Some(start) = &report.failed_start {
         return Err(CliError::failed_start(format!(
-            "{start} ({} tasks left; mend the cause and start again, or continue with {again}; --keep-going drives all tasks \
-             whatever happens)",
+            "{start} ({} tasks left; fix the cause and start again, or continue with {again}; --keep-going runs all tasks \
+             regardless of errors)",
             report.summary.missing(),
         )));
     }
@@ -109,7 +109,7 @@ fn drive_with(
         0 => {}
         n => {
             return Err(CliError::host_errors(format!(
-                "the harness or the machine failed {n} tasks (see outcome host_error in {}; {again} runs them again)",
+                "{n} tasks failed because of the harness or the machine (see outcome host_error in {}; {again} re-runs them)",
                 config.out.join("tasks.jsonl").display(),
             )));
         }
@@ -147,7 +147,9 @@ fn config_with(args: &RunArgs, planner: Option<Plugin>) -> Result<RunConfig, Cli
     }
     if let Some(memory) = args.memory {
         limits.memory_bytes = usize::try_from(memory).map_err(|_| {
-            CliError::usage(format!("--memory {memory}: more than this machine can address (give less)"))
+            CliError::usage(format!(
+                "--memory {memory}: more than the address space of this machine (give less)"
+            ))
         })?;
     }
     limits.validate().map_err(|e| CliError::usage(format!("--fuel-per-step or --memory: {e}")))?;
@@ -210,8 +212,8 @@ fn scale_warning(vehicle: &vb_vehicle::VehicleSpec, scale: f64) -> Option<String
     ((scale - made_for).abs() > 1e-9).then(|| {
         let shown = |scale: f64| if scale < 1.0 { format!("1/{}", rounded(1.0 / scale)) } else { rounded(scale) };
         format!(
-            "warning: the vehicle {} is made for worlds of scale {}, and these have scale {}: it has {} times the size of \
-             one that is made for them (leave --scale out, or choose another --vehicle)",
+            "warning: the vehicle {} is designed for worlds of scale {}, and these have scale {}: it has {} times the \
+             appropriate size (omit --scale, or choose another --vehicle)",
             vehicle.name,
             shown(made_for),
             shown(scale),
@@ -238,7 +240,7 @@ pub(crate) fn stop_on_ctrl_c() -> Result<Arc<AtomicBool>, CliError> {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(error::INTERRUPTED));
         }
-        output::note("stopping; once more to stop at once");
+        output::note("stopping; press Ctrl-C again to stop at once");
     })
     .map_err(|e| CliError::internal(format!("cannot handle Ctrl-C: {e}")))?;
     Ok(cancel)
@@ -283,7 +285,10 @@ mod tests {
         let (full, small) = (vehicle("hmmwv"), vehicle("verti4wheeler"));
         assert_eq!((scale_warning(&full, 1.0), scale_warning(&small, small.scale)), (None, None));
         let told = scale_warning(&full, 0.1).unwrap();
-        assert!(told.contains("hmmwv is made for worlds of scale 1, and these have scale 1/10"), "{told}");
-        assert!(told.contains("it has 10 times the size of one"), "{told}");
+        assert!(
+            told.contains("hmmwv is designed for worlds of scale 1, and these have scale 1/10"),
+            "{told}"
+        );
+        assert!(told.contains("it has 10 times the appropriate size"), "{told}");
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
         Some(name) => Rules::resolve(name).map_err(CliError::input)?,
         None => own_rules(args)?,
     };
-    let result = rescore(&args.run, &rules).map_err(CliError::input)?;
+    let result = rescore(&args.run, &rules)?;
     match args.format.get() {
         MessageFormat::Json => {
             for record in &result.records {
@@ -33,7 +33,7 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
             output::text(&vb_files::printable(&result.summary.table(output::width())));
             if !result.exact {
                 output::say(&format!(
-                    "scored from samples every {} s: figures are as good as that (run with --trace full for exact ones)",
+                    "scored from samples every {} s, with corresponding accuracy (run with --trace full for exact values)",
                     result.resolution_s
                 ));
             }
@@ -44,9 +44,9 @@ pub(crate) fn score(args: &ScoreArgs) -> Result<(), CliError> {
 
 /// The rules as recorded in run.json.
 fn own_rules(args: &ScoreArgs) -> Result<Rules, CliError> {
-    let run = RunReader::open(&args.run).map_err(CliError::input)?;
+    let run = RunReader::open(&args.run)?;
     Rules::recorded(run.header()).map_err(|e| {
         let file = args.run.join("run.json");
-        CliError::input(format!("{}: rules.profile: {e} (name rules with --rules)", file.display()))
+        CliError::input(format!("{}: rules.profile: {e} (give rules with --rules)", file.display()))
     })
 }

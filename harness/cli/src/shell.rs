@@ -24,7 +24,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), CliError> {
         .and_then(|()| clap_mangen::generate_to(Cli::documented(), dir))
         .map_err(|e| CliError::output(format!("cannot write man pages to {}: {e}", dir.display())))?;
     output::say(&format!(
-        "wrote the pages to {} (man -l {})",
+        "wrote the man pages to {} (man -l {})",
         dir.display(),
         dir.join("vb-harness.1").display()
     ));

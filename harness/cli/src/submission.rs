@@ -11,7 +11,7 @@ use vb_report::Runs;
 use vb_runner::RunError;
 use vb_score::Outcome;
 use vb_submission::{
-    Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
+    Check, Division, Entrant, Expected, OpenReason, Request, Sampling, Scores, Shipped, ShippedSuite,
     ShippedVehicle, Submission, SubmissionError, Verification,
 };
 use vb_world::{Suite, TaskId};
@@ -48,7 +48,7 @@ pub(crate) fn submit(args: &SubmitArgs) -> Result<(), CliError> {
     }
     let suite = match &args.run {
         Some(dir) => {
-            let reader = RunReader::open(dir).map_err(CliError::input)?;
+            let reader = RunReader::open(dir)?;
             places::suite_of(reader.header(), args.suite.as_deref())?
         }
         None => suite::open(args.suite.as_deref().unwrap_or(Path::new(vb_catalog::DEFAULT_SUITE)))?,
@@ -140,7 +140,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         Some(dir) => suite::open(dir)?,
         None => {
             let own = places::catalog().own_suite(plain("suite", &m.run.suite.name)?)?;
-            Suite::open(own).map_err(CliError::input)?
+            Suite::open(own)?
         }
     };
     let vehicle = match &args.vehicle {
@@ -164,7 +164,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
     // Of a recording nothing is executed.
     if !is_wasm(&args.plugin)? && !Recording::is_one(&args.plugin) && !args.allow_native {
         return Err(CliError::input(format!(
-            "{} is neither a WASM file nor a recording, and nothing else is loaded here (--allow-native loads a native library \
+            "{} is neither a WASM file nor a recording (--allow-native loads a native library \
              in its sandbox)",
             args.plugin.display()
         )));
@@ -195,7 +195,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
         if json {
             output::json(&Message::Progress { done, total });
         } else if done.is_multiple_of(total.div_ceil(10)) || done == total {
-            output::note(&format!("driven again: {done} of {total}"));
+            output::note(&format!("re-run: {done} of {total}"));
         }
     };
     let verdict = vb_submission::verify(&submission, &expected, &load, &sampling, &mut ended, &cancel)?;
@@ -219,23 +219,22 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), CliError> {
 
 /// A verdict for people, with the number of tasks that were to be drawn, if not all.
 fn told(verdict: &Verification, drawn: Option<u32>) -> String {
-    let mut by_check: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut by_check: BTreeMap<Check, usize> = BTreeMap::new();
     for f in &verdict.findings {
-        *by_check.entry(&f.check).or_default() += 1;
+        *by_check.entry(f.check).or_default() += 1;
     }
     let mut rows: Vec<Vec<String>> = verdict
         .checks
         .iter()
         .map(|check| {
-            let result =
-                by_check.get(check.as_str()).map_or_else(|| "good".to_owned(), |n| format!("{n} found"));
-            vec![check.clone(), result]
+            let result = by_check.get(check).map_or_else(|| "good".to_owned(), |n| format!("{n} found"));
+            vec![check.name().to_owned(), result]
         })
         .collect();
     if let (Some(sample), Some(row)) = (&verdict.sample, rows.last_mut()) {
         let seed = sample.seed.map_or_else(String::new, |s| format!(", seed {s}"));
         let more = match drawn {
-            Some(n) if (n as usize) < sample.tasks.len() => format!(" ({n} drawn, and those with traces)"),
+            Some(n) if (n as usize) < sample.tasks.len() => format!(" ({n} sampled, and those with traces)"),
             _ => String::new(),
         };
         row.push(format!("{} of {} tasks{more}{seed}", sample.tasks.len(), sample.of));
@@ -253,18 +252,21 @@ fn told(verdict: &Verification, drawn: Option<u32>) -> String {
 pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     // Nothing that is said here may tell of the suite, whoever reads it.
     let hidden = |_: &dyn std::fmt::Display| {
-        CliError::input("the suite can't be used (its owner sees why with vb-harness suite validate)")
+        CliError::input("the suite is invalid (for the reason run vb-harness suite validate)")
     };
     let suite = Suite::open(places::catalog().suite(Some(&args.suite)).map_err(|e| hidden(&e))?)
         .map_err(|e| hidden(&e))?;
     let plugin = args.plugin.path();
     if !is_wasm(plugin)? {
         return Err(CliError::input(format!(
-            "{} is no WASM file: only those can be kept from telling what they see",
+            "{} is not a WASM file: only WASM planners cannot leak the hidden tasks",
             plugin.display()
         )));
     }
-    args.out.as_deref().map(output::must_be_replaceable).transpose()?;
+    if let Some(out) = &args.out {
+        output::must_not_replace(out, args.force)?;
+        output::must_be_replaceable(out)?;
+    }
     let scratch = tempfile::tempdir().map_err(|e| CliError::output(format!("no temporary folder: {e}")))?;
     let mut wanted = RunArgs::new(plugin);
     wanted.drive.suite = suite.dir().to_owned();
@@ -279,16 +281,16 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<(), CliError> {
     let report = vb_runner::run(&config, &mut |_| {}, &cancel).map_err(|e| match e {
         RunError::Suite(e) => hidden(&e),
         RunError::Store(e) if !e.is_disk_full() => {
-            CliError::output("results can't be kept in the temporary folder")
+            CliError::output("results cannot be stored in the temporary folder")
         }
         e => e.into(),
     })?;
     if report.interrupted {
-        return Err(CliError::interrupted("stopped: there are no scores"));
+        return Err(CliError::interrupted("stopped without scores"));
     }
     if !report.summary.host_errors.is_empty() {
         return Err(CliError::host_errors(format!(
-            "the harness or the machine failed {} tasks: there are no scores (evaluate again)",
+            "{} tasks failed because of the harness or the machine: there are no scores (evaluate again)",
             report.summary.host_errors.len()
         )));
     }
@@ -321,7 +323,7 @@ fn plain<'a>(what: &str, name: &'a str) -> Result<&'a str, CliError> {
         return Ok(name);
     }
     Err(CliError::input(format!(
-        "{what} {:?} of the submission can't be looked up by its name (name yours with --{what})",
+        "{what} {:?} of the submission is not built in (give yours with --{what})",
         vb_files::one_line(name)
     )))
 }
@@ -347,7 +349,7 @@ fn shipped() -> Result<Shipped, CliError> {
         ..Shipped::default()
     };
     for dir in places::catalog().suites()? {
-        let suite = Suite::open(&dir).map_err(CliError::input)?;
+        let suite = Suite::open(&dir)?;
         let (name, tasks) = (suite.meta().name.clone(), suite.task_count() as u64);
         shipped.suites.push(ShippedSuite { name, hash: suite.hash(), tasks });
     }

@@ -39,7 +39,7 @@ pub(crate) fn train(args: &TrainArgs) -> Result<(), CliError> {
     let beside = std::env::current_exe().ok().and_then(|p| Some(p.parent()?.join(&name)));
     let Some(program) = beside.filter(|p| p.is_file()) else {
         return Err(CliError::input(format!(
-            "{name} is not beside vb-harness (build it with: cargo build --release --package {TRAINER})"
+            "{name} is not next to vb-harness (build it with: cargo build --release --package {TRAINER})"
         )));
     };
     let mut command = Command::new(&program);
@@ -55,7 +55,7 @@ pub(crate) fn train(args: &TrainArgs) -> Result<(), CliError> {
         Some(0) => Ok(()),
         // It said what is wrong.
         Some(code) => Err(CliError::told(u8::try_from(code).unwrap_or(error::INTERNAL))),
-        None => Err(CliError::interrupted("the training was stopped; go on with --resume")),
+        None => Err(CliError::interrupted("the training was stopped; continue with --resume")),
     }
 }
 
@@ -79,17 +79,19 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
             Elevation::Medium => args.relief[1],
             Elevation::High => args.relief[2],
         };
-        surfaces.push((suite.load_world(&info.id).map_err(CliError::input)?.heightfield, fraction));
+        surfaces.push((suite.load_world(&info.id)?.heightfield, fraction));
     }
     let rules = suite::rules::<GeneratorParams>(args.params.as_deref())?;
     let start = rules.elevation.shape.ok_or_else(|| {
-        CliError::input("the rules have no elevation.shape, whose curve is kept (give others with --params)")
+        CliError::input(
+            "the rules have no elevation.shape, whose curve is needed (give other rules with --params)",
+        )
     })?;
     let wanted = fit::of_surfaces(&surfaces).map_err(CliError::input)?;
     let round = |k: usize, ratios: &[f64]| {
         let ratios: Vec<_> = ratios.iter().map(|r| format!("{r:.3}")).collect();
         output::note(&format!(
-            "round {k}: root mean square over the wanted one by band: {}",
+            "iteration {k}: root mean square relative to the target by band: {}",
             ratios.join(" ")
         ));
     };
@@ -114,6 +116,9 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), CliError> {
 pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     let kind = Kind::of(&args.out)
         .ok_or_else(|| CliError::usage(format!("--out {}: must end in .npy or .png", args.out.display())))?;
+    for path in [&args.out].into_iter().chain(&args.preview) {
+        output::must_not_replace(path, args.force)?;
+    }
     let model = model(args.model.as_deref())?;
     let level = Elevation::from(args.level);
     let request = Request {
@@ -134,7 +139,7 @@ pub(crate) fn generate(args: &SurfaceArgs) -> Result<(), CliError> {
     }
     let (low, high) = surface.range();
     output::text(&format!(
-        "{}: {} x {} nodes, {} m apart, heights {low:.3} to {high:.3} m, standard deviation {:.3} m\n",
+        "{}: {} x {} nodes, spacing {} m, heights {low:.3} to {high:.3} m, standard deviation {:.3} m\n",
         args.out.display(),
         surface.cols(),
         surface.rows(),

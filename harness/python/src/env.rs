@@ -6,12 +6,18 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use vb_env::{EnvError, Reset, Size, Terms, View};
 use vb_files::lock;
+use vb_score::TaskRecord;
 use vb_sdk::policy::{Dtype, Row};
 use vb_world::TaskId;
 
 use crate::arena::Arena;
 use crate::arrays::copied;
 use crate::errors;
+
+/// Returns a record as JSON.
+pub(crate) fn record_json(record: &TaskRecord) -> String {
+    serde_json::to_string(record).expect("a record has text keys and can be written as JSON")
+}
 
 /// A single environment with at most one episode at a time.
 #[pyclass(frozen, module = "vertibench._native")]
@@ -109,7 +115,7 @@ impl Env {
 
     /// Returns the record of an ended episode as JSON; otherwise None.
     fn record(&self) -> Option<String> {
-        self.lock().record().and_then(|r| serde_json::to_string(r).ok())
+        self.lock().record().map(record_json)
     }
 
     /// Saves the state of the environment.

@@ -20,7 +20,7 @@ pub(crate) fn exception(py: Python<'_>, error: &EnvError) -> PyErr {
 /// Returns an exception of the package, by the name of its class.
 pub(crate) fn named(py: Python<'_>, class: &str, message: &str) -> PyErr {
     // Messages of libraries may have several lines.
-    let message = message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    let message = vb_files::one_line(message);
     let made = py
         .import("vertibench._errors")
         .and_then(|errors| errors.getattr(class))

@@ -11,7 +11,7 @@ use vb_world::TaskId;
 
 use crate::arena::Arena;
 use crate::arrays::over;
-use crate::env::Snapshot;
+use crate::env::{Snapshot, record_json};
 use crate::errors;
 
 /// Task name and seed of the sensor noise of a new episode.
@@ -167,7 +167,7 @@ impl VectorEnv {
             }
         };
         let arrival = |a: Arrival| {
-            let record = a.ended.and_then(|r| serde_json::to_string(&*r).ok());
+            let record = a.ended.map(|r| record_json(&r));
             (a.index, a.began.map(|(task, seed)| (task.to_string(), seed)), record)
         };
         Ok(arrivals.into_iter().map(arrival).collect())

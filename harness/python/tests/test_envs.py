@@ -192,7 +192,7 @@ def test_states_that_were_forged_or_are_of_other_options_are_refused(make):
     state = env.state()
     how = state.__reduce__()[1][0]
     remade = state.__reduce__()[0]
-    with pytest.raises(vertibench.OptionError, match="made with other options"):
+    with pytest.raises(vertibench.OptionError, match="with other options"):
         make(observation=["state", "path"]).unwrapped.set_state(pickle.loads(pickle.dumps(state)))
     for forged in (b"", b"vbstate1", how[:-1], how + b"x", b"\x00" * 100, how[:8] + b"\x9f" * 50, b"vbstate1\xdd\xff\xff\xff\xff"):
         with pytest.raises(vertibench.OptionError, match="the state can't be read"):
@@ -291,8 +291,8 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"tasks": "w777/t00"}, "w777"),
     ({"vehicle": "tank"}, "there is no vehicle tank"),
     ({"perception": "psychic"}, "there is no perception profile psychic"),
-    ({"observation": ["hight"]}, "observation: hight: there are state"),
-    ({"observation": []}, "one part at least"),
+    ({"observation": ["hight"]}, "observation: hight: unknown part; parts: state"),
+    ({"observation": []}, "at least one part"),
     ({"observation": ["class"], "flat": True}, "a flat one needs at least one part with numbers"),
     ({"control_hz": 30}, "control_hz: 30: must be 100 over a whole number"),
     ({"control_hz": "fast"}, "control_hz: 'fast' is not a number"),
@@ -300,10 +300,10 @@ def test_gymnasium_records_a_video(make, tmp_path):
     ({"speed_range": (4, 2)}, "speed_range"),
     ({"sight": {"cells": 1}}, "sight: cells: 1 must lie in 2 to 256"),
     ({"sight": {"depth": 1}}, "sight: depth: there are cells"),
-    ({"reward": {"luck": 1}}, "there is no term luck"),
+    ({"reward": {"luck": 1}}, "unknown term luck"),
     ({"reward": {"success": float("nan")}}, "weights.success: NaN"),
     ({"reward": "nowhere.yaml"}, "cannot read reward nowhere.yaml"),
-    ({"suite": None, "tasks": None, "world_seed": 1}, "training worlds have a seed from 7000 to 7999"),
+    ({"suite": None, "tasks": None, "world_seed": 1}, "training worlds need a seed from 7000 to 7999"),
     ({"suite": None, "tasks": None, "worlds": -1}, "worlds: -1 must be a whole number, at least 1"),
     ({"suite": 5}, "suite: 5 must be a name or a path"),
     ({"tasks": 5}, "tasks: 5 must be a selector"),
@@ -341,7 +341,7 @@ def test_a_vehicle_file_that_is_wrong_is_told_with_its_field(envs, tmp_path):
 def test_what_is_no_action_or_no_seed_is_told_and_changes_nothing(make):
     env = make(observation=["state"]).unwrapped
     for before in (lambda: env.step([0, 0]), env.state, env.render):
-        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+        with pytest.raises(vertibench.EpisodeError, match="no episode is active: call reset first"):
             before()
     env.reset(seed=0)
     for action, message in [
@@ -388,7 +388,7 @@ def test_a_copy_is_a_fresh_one_of_the_same_options(make):
     first, info = env.reset(seed=5)
     for again in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
         assert again.spec == env.spec and again.unwrapped.spec == env.unwrapped.spec
-        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+        with pytest.raises(vertibench.EpisodeError, match="no episode is active: call reset first"):
             again.unwrapped.step([0.0, 0.0])
         seen, told = again.reset(seed=5)
         assert np.array_equal(seen["state"], first["state"]) and told == info and again.render().shape == (48, 64, 3)

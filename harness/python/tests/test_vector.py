@@ -137,7 +137,7 @@ def test_what_is_at_work_can_be_received_or_dropped(make):
     env.send(np.zeros((4, 2)))
     # The last batch has what is left.
     assert sorted([*env.recv()[-1]["env_id"], *env.recv()[-1]["env_id"]]) == [0, 1, 2, 3]
-    with pytest.raises(vertibench.EpisodeError, match="no environment is at work"):
+    with pytest.raises(vertibench.EpisodeError, match="no environment is stepping"):
         env.recv()
     env.send(np.zeros((4, 2)))
     for error, options in [
@@ -188,7 +188,7 @@ def test_a_state_of_one_goes_on_alone(make, envs):
 def test_what_is_wrong_is_told_before_anything_is_stepped(make, envs):
     env = make(2)
     for mode in ("NEXT_STEP", "SAME_STEP", "DISABLED"):
-        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+        with pytest.raises(vertibench.EpisodeError, match="no episode is active: call reset first"):
             make(1, autoreset_mode=mode).step(np.zeros((1, 2)))
     observation, _ = env.reset(seed=0)
     for actions, message in [
@@ -224,7 +224,7 @@ def test_what_is_wrong_is_told_before_anything_is_stepped(make, envs):
             env.reset(options=options)
     with pytest.raises(vertibench.OptionError, match="run_seed: -1 must lie in"):
         env.reset(options={"run_seed": -1})
-    with pytest.raises(vertibench.EpisodeError, match="no environment is at work"):
+    with pytest.raises(vertibench.EpisodeError, match="no environment is stepping"):
         env.recv()
     assert np.array_equal(env.step(all_pursue(observation))[0]["state"].shape, (2, 11))
     for options, message in [
@@ -276,7 +276,7 @@ def test_a_copy_is_a_fresh_one_of_the_same_options(make, envs):
     first, infos = env.reset(seed=3)
     for again in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
         assert (again.num_envs, again.batch_size, again.spec, again.tasks) == (2, 1, env.spec, env.tasks)
-        with pytest.raises(vertibench.EpisodeError, match="there is no episode: call reset first"):
+        with pytest.raises(vertibench.EpisodeError, match="no episode is active: call reset first"):
             again.step(np.zeros((2, 2)))
         seen, told = again.reset(seed=3)
         assert np.array_equal(seen["state"], first["state"]) and list(told["task"]) == list(infos["task"])

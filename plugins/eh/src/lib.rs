@@ -1,14 +1,15 @@
-//! Elevation heuristics (EH) of the Verti-Bench paper: look at five regions of the elevation map in front of the vehicle,
-//! and steer towards the one whose mean height is most like that of the ground under the vehicle and whose heights
-//! differ least, while following the global path.
+//! Elevation heuristics (EH) of the Verti-Bench paper: compares five regions of the elevation map ahead of the vehicle,
+//! and steers towards the one with the mean height closest to that of the terrain under the vehicle and the smallest
+//! standard deviation, while following the global path.
 //!
-//! The five regions are squares side by side in front of the vehicle, each as large as the patch under it. The score of
-//! a region is |mean − mean of the patch| + `roughness` · standard deviation, in metres; the least wins, of equal ones
-//! the one nearest to straight ahead. The steering error is (1 − `terrain`) · bearing of the local goal + `terrain` ·
-//! bearing of the region, which goes to a proportional controller. Speed is held as PID holds it.
+//! The five regions are squares side by side ahead of the vehicle, each of the size of the patch under the vehicle. The
+//! score of a region is |mean − mean of the patch| + `roughness` · standard deviation, m. The region with the minimum
+//! score wins; ties go to the region nearest to straight ahead. The steering error is (1 − `terrain`) · bearing of the
+//! local goal + `terrain` · bearing of the region, the input of a proportional controller. The speed controller is that
+//! of PID.
 //!
-//! The released code looks at regions on its left, from ahead of the vehicle to behind it, since it cuts them before it
-//! turns the map; here they are in front. `docs/planners.md` has the differences.
+//! The regions of the released code lie left of the vehicle, because it crops the map before rotating it; here they lie
+//! ahead. `docs/planners.md` lists the differences.
 
 use vb_sdk::crop::Window;
 use vb_sdk::path::{Follower, Path};
@@ -18,33 +19,33 @@ use vb_sdk::{Command, HeightMap, Observation, Planner, PlannerError, Pose2, Seri
 vb_sdk::export_planner! {
     planner: Eh,
     name: "eh",
-    about: "Steers between the global path and the evenest of five regions of the elevation map in front",
+    about: "Steers between the global path and the flattest of five regions ahead on the elevation map",
     control_period: 0.1,
     params: {
         speed: 5.0 => "target speed, m/s at full scale",
-        lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
-        region: 6.4 => "side of a region, m at full scale",
-        terrain: 0.2 => "share of the region's bearing in the steering error, 0 to 1",
+        lookahead: 10.0 => "look-ahead distance of the local goal along the global path, m at full scale",
+        region: 6.4 => "side length of a region, m at full scale",
+        terrain: 0.2 => "weight of the region's bearing in the steering error, 0 to 1",
         roughness: 1.0 => "weight of a region's standard deviation against its difference in mean height",
         kp: 1.0 => "proportional gain of the steering, 1/rad",
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
-        explain: 0 => "1: record the regions with their scores and the local goal beside the trajectory",
+        explain: 0 => "1: record the regions with their scores and the local goal in the debug file",
     },
     without_maps: { local_map }
 }
 
-/// Regions side by side.
+/// Number of regions side by side.
 const REGIONS: usize = 5;
-/// Samples along a region's side.
+/// Samples per side of a region.
 const SAMPLES: usize = 8;
-/// One sample of so many must be known.
+/// A region needs 1 / `KNOWN` of its samples.
 const KNOWN: usize = 4;
 
 #[derive(Clone, Debug)]
 pub struct Eh {
-    /// The map of the world, or of what has been seen of it.
+    /// The elevation map of the world, or the last local map.
     elevation: HeightMap,
-    /// Whether the map of the surroundings takes the place of the world's.
+    /// Whether the local map replaces the map of the world.
     looks_around: bool,
     follower: Follower,
     lookahead: f64,
@@ -58,7 +59,7 @@ pub struct Eh {
     explain: bool,
 }
 
-/// Heights of a square of ground.
+/// Mean and standard deviation of the heights in a square, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Heights {
     mean: f64,
@@ -66,7 +67,7 @@ struct Heights {
 }
 
 impl Eh {
-    /// A square of ground whose middle lies `forward` and `left` of the vehicle, m; none where too little of it is known.
+    /// Heights of the square with the centre `forward` and `left` of the vehicle, m; none with too few known samples.
     fn square(&self, pose: Pose2, forward: f64, left: f64) -> Option<Heights> {
         let (sin, cos) = math::sin_cos(pose.yaw);
         let middle = Pose2 {
@@ -88,13 +89,12 @@ impl Eh {
         Some(Heights { mean, std: variance.sqrt() })
     }
 
-    /// Distance to the left of the middle of each region, leftmost first, m.
+    /// Lateral offset of the centre of each region, m, positive to the left; leftmost region first.
     fn lateral(&self, region: usize) -> f64 {
         (2.0 - region as f64) * self.region
     }
 
-    /// Scores of the regions, leftmost first; infinite where the middle of one lies beyond the map, or too little of it is
-    /// known.
+    /// Scores of the regions, leftmost first; infinite for a centre outside the map or too few known samples.
     fn scores(&self, pose: Pose2) -> [f64; REGIONS] {
         if self.elevation.frame.rows < 2 || self.elevation.frame.cols < 2 {
             return [f64::INFINITY; REGIONS];
@@ -108,14 +108,14 @@ impl Eh {
                 return f64::INFINITY;
             }
             let Some(there) = self.square(pose, forward, left) else { return f64::INFINITY };
-            // A lidar doesn't see what it stands on.
+            // The terrain under the vehicle is outside the lidar's field of view.
             let step = here.map_or(0.0, |here| (there.mean - here.mean).abs());
             step + self.roughness * there.std
         })
     }
 }
 
-/// The region of the least score, of equal ones the one nearest to the middle.
+/// The region with the minimum score; ties go to the region nearest to straight ahead.
 fn best(scores: &[f64; REGIONS]) -> usize {
     let mut order = [2, 1, 3, 0, 4];
     order.sort_by(|&a, &b| scores[a].total_cmp(&scores[b]));
@@ -131,7 +131,7 @@ impl Planner for Eh {
         }
         let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {
-            // Of a world whose maps are not all there, what the vehicle sees is worth more than a coarse map.
+            // Without all maps of the world, the local map is more accurate than a coarse prior map.
             looks_around: task.occupancy.is_none(),
             elevation: task.elevation.clone().unwrap_or_default(),
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
@@ -140,7 +140,7 @@ impl Planner for Eh {
             terrain,
             roughness: task.param_f64("roughness")?,
             kp: task.param_f64("kp")?,
-            // Speeds scale by the root of the lengths (Froude).
+            // Speeds scale with the root of lengths (Froude).
             target_speed: task.param_positive("speed")? * scale.sqrt(),
             speed: SpeedController::new(task.param_f64("speed_kp")? / scale.sqrt(), 0.0),
             period: task.control_period,
@@ -160,7 +160,7 @@ impl Planner for Eh {
         let scores = self.scores(pose);
         let chosen = best(&scores);
         let to_region = math::atan2(self.lateral(chosen), self.region);
-        // Beyond the edge of the map there is nothing to choose from.
+        // Outside the map there is no region to choose.
         let terrain = if scores[chosen].is_finite() { self.terrain } else { 0.0 };
         let error = (1.0 - terrain) * to_goal + terrain * to_region;
         let (throttle, brake) = self.speed.update(self.target_speed, seen.linear_velocity.x, self.period);

@@ -1,10 +1,10 @@
-//! What it costs a vehicle to stand at a place with a heading.
+//! Cost of each position and heading for a vehicle.
 
 use vb_sdk::rng::Rng;
 use vb_sdk::{GridFrame, LabelMap, PlannerError, Task, math};
 
-/// Directions that a way is made of: the neighbours on the grid and the knight's moves between them, counter-clockwise
-/// from east, (columns, rows).
+/// Directions of path segments: the neighbours on the grid and the knight's moves between them, counter-clockwise from
+/// east, (columns, rows).
 pub(crate) const HEADINGS: [(i32, i32); 16] = [
     (1, 0),
     (2, 1),
@@ -24,16 +24,16 @@ pub(crate) const HEADINGS: [(i32, i32); 16] = [
     (2, -1),
 ];
 
-/// Tangent of the slope that a vehicle can just climb by class, from typical friction less rolling resistance, and for
-/// yielding ground from the slopes that the HMMWV climbs in the validation (docs/validation.md), rounded.
+/// Tangent of the maximum slope that a vehicle climbs, by terrain class: typical friction less rolling resistance; for
+/// deformable terrain the slopes that the HMMWV climbs in the validation (docs/validation.md), rounded.
 const CLIMB: [f64; 10] = [0.5, 0.7, 0.5, 0.28, 0.45, 0.55, 0.36, 0.25, 0.25, 0.2];
-/// Extra cost of a metre of each class: what sinks takes time and may end the trip.
+/// Additional cost per metre of each terrain class: sinkage costs time and may immobilise the vehicle.
 const SOFT: [f64; 10] = [0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.5, 0.4, 0.6];
 
-/// Costs of all places and headings; infinite where the vehicle can't be.
+/// Costs of all positions and headings; infinite where the vehicle collides.
 pub(crate) struct Ground {
     pub(crate) frame: GridFrame,
-    /// By row, column, heading.
+    /// Indexed by row, column, heading.
     cost: Vec<f32>,
 }
 
@@ -60,7 +60,7 @@ impl Ground {
                     let roll = 0.5 * (fl + rl - fr - rr) / v.track;
                     let twist = 0.5 * (fl - fr - rl + rr) / v.track;
                     let plane = 0.25 * (fl + fr + rl + rr);
-                    // How far the ground between the wheels comes up to the belly.
+                    // Height of the terrain between the wheels, as a fraction of the ground clearance.
                     let belly = [
                         (-0.5 * front, 0.0),
                         (0.0, 0.0),
@@ -87,7 +87,7 @@ impl Ground {
         Ok(Self { frame, cost })
     }
 
-    /// Cost of a metre there.
+    /// Cost per metre at a node with a heading.
     pub(crate) fn cost(&self, row: i32, col: i32, heading: usize) -> f32 {
         let (rows, cols) = (self.frame.rows as i32, self.frame.cols as i32);
         if row < 0 || col < 0 || row >= rows || col >= cols {
@@ -96,7 +96,7 @@ impl Ground {
         self.cost[(row * cols + col) as usize * HEADINGS.len() + heading]
     }
 
-    /// Makes every place dearer by a random factor, the same for all headings.
+    /// Multiplies the cost of each position by a random factor, equal for all headings.
     pub(crate) fn perturb(&mut self, rng: &mut Rng, spread: f64) {
         for costs in self.cost.chunks_exact_mut(HEADINGS.len()) {
             let factor = math::exp(spread * rng.normal()) as f32;
@@ -107,7 +107,7 @@ impl Ground {
     }
 }
 
-/// Distance from each node of the elevation map to the nearest obstacle or the edge of the world, as far as it matters, m.
+/// Distance from each node of the elevation map to the nearest obstacle or the edge of the world, capped, m.
 fn clearance(task: &Task, frame: GridFrame, occupied: &LabelMap) -> Vec<f64> {
     let reach = 2.0 * task.vehicle.width;
     let mut distance = vec![reach; (frame.rows * frame.cols) as usize];

@@ -1,8 +1,8 @@
-//! A planner that takes its time before the start: it searches the whole map for a way that the vehicle can stand,
-//! climb and straddle, and follows it. A vehicle that is stuck backs out and comes again, faster.
+//! A planner that searches the whole map before the start for a path on which the vehicle can stand, climb and
+//! straddle, and follows it. A stuck vehicle reverses and retries faster.
 //!
-//! It is no system of the paper. It shows which tasks can be done (`vb-harness suite prove`): run with several
-//! variants and speeds, each of which makes other choices.
+//! It is not a system of the paper. It provides solvability certificates (`vb-harness suite prove`): run with several
+//! variants and speeds, which choose different paths.
 
 mod ground;
 mod route;
@@ -17,23 +17,23 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Task, Vehicle, math};
 vb_sdk::export_planner! {
     planner: Expert,
     name: "expert",
-    about: "Plans a way over the terrain before it starts, and follows it",
+    about: "Plans a path over the terrain before the start, and follows it",
     control_period: 0.1,
     params: {
         speed: 3.0 => "target speed, m/s at full scale",
-        lookahead: 5.0 => "distance of the point that is steered to, m at full scale",
-        caution: 1.0 => "weight of tilt, climbs, twist and the belly's clearance against the length of the way",
-        variant: 0 => "0: the best way; others draw the ground's costs a little differently and so find other ways",
+        lookahead: 5.0 => "look-ahead distance of the steering controller, m at full scale",
+        caution: 1.0 => "weight of tilt, slope, twist and belly clearance against the path length",
+        variant: 0 => "0: path of minimum cost; other values: seeds of randomly perturbed costs, for other paths",
         ki: 0.3 => "integral gain of the speed controller, 1/m",
     }
 }
 
-/// How much the costs of a variant differ.
+/// Standard deviation of the logarithm of the random cost factors of a variant.
 const SPREAD: f64 = 0.5;
-/// The share of the target speed by which the vehicle drives faster after each attempt to get free: momentum takes it
-/// over ledges on which a slow one is left hanging.
+/// Increase of the target speed per recovery attempt, as a fraction: momentum carries the vehicle over steps on which a
+/// slow vehicle hangs up.
 const BOOST: f64 = 0.4;
-/// The greatest speed that it comes to in this way, over the target speed.
+/// Maximum factor of the target speed after recovery attempts.
 const BOOST_MOST: f64 = 2.0;
 
 struct Expert {
@@ -56,7 +56,7 @@ impl Planner for Expert {
         if variant > 0 {
             ground.perturb(&mut Rng::new(task.seed ^ variant), SPREAD);
         }
-        // Without a way of its own it has the global path.
+        // Without a path, the global path is followed.
         let way = route::route(task, &ground).unwrap_or_else(|| task.path.clone());
         let lookahead = task.param_positive("lookahead")? * scale;
         Ok(Self {

@@ -1,4 +1,4 @@
-//! The way of least cost over places and headings.
+//! Path of minimum cost over positions and headings.
 
 use vb_sdk::search::Search;
 use vb_sdk::{Point2, Task, math};
@@ -8,8 +8,8 @@ use crate::ground::{Ground, HEADINGS};
 /// Cost of a turn by one heading, in metres.
 const TURN: f32 = 0.5;
 
-/// Points from start to goal, if there is a way. A* over (row, column, heading): straight on by one move, or on by one
-/// and by another in the next heading, which is an arc that a car can drive.
+/// Points from start to goal; none without a path. A* over (row, column, heading): one move straight ahead, or one move
+/// ahead and one in the adjacent heading, which approximates an arc within the steering limit.
 pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
     let frame = ground.frame;
     let n = HEADINGS.len();
@@ -71,11 +71,11 @@ pub(crate) fn route(task: &Task, ground: &Ground) -> Option<Vec<Point2>> {
     None
 }
 
-/// Goes on by one move; its cost.
+/// Moves by one step, and returns its cost.
 fn leg(ground: &Ground, row: &mut i32, col: &mut i32, heading: usize) -> f32 {
     let (dx, dy) = HEADINGS[heading];
     let length = ((dx * dx + dy * dy) as f32).sqrt();
-    // Of a knight's move the places beside its middle.
+    // For a knight's move, the mean of the two cells next to its midpoint.
     let middle = if dx.abs() + dy.abs() == 3 {
         let (hx, hy) = (dx / 2, dy / 2);
         0.5 * (ground.cost(*row + hy, *col + hx, heading)

@@ -1,9 +1,9 @@
-//! Attention to the ground at places that the vehicle may come to.
+//! Attention to terrain patches along the motion.
 //!
-//! What a network makes of the patch about a place is the same wherever the vehicle is, so the table that has it for the vehicle's own
-//! place has it for those ahead as well. A step looks at [`PLACES`], pays attention to them by what the vehicle does and by what is there,
-//! and takes their mean. The idea is that of Datar et al., *Terrain-Attentive Learning for Efficient 6-DoF Kinodynamic Modeling on
-//! Vertically Challenging Terrain* (IROS 2024): what matters of the ground depends on the motion.
+//! The features of a patch depend only on its position and heading, so the table of the vehicle's own patch also serves
+//! the patches ahead. A step looks up the features at [`PLACES`], weights them by motion and terrain, and takes their
+//! mean. The idea follows Datar et al., *Terrain-Attentive Learning for Efficient 6-DoF Kinodynamic Modeling on
+//! Vertically Challenging Terrain* (IROS 2024): the relevant terrain depends on the motion.
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::{LANES, Lanes};
@@ -14,10 +14,10 @@ use crate::kinodynamics::TOLD;
 use crate::table::{CHANNELS, Table, headings_of};
 use crate::terrain::Terrain;
 
-/// The places that are looked at, forward and to the left, in wheelbases; the first is the vehicle's own.
+/// Attended positions, forward and to the left, in wheelbases; the first is the vehicle's own.
 pub const PLACES: [[f32; 2]; 5] = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.6, 0.6], [1.6, -0.6]];
 
-/// Where a place of vehicles with this wheelbase lies, m.
+/// Offset of an attended position for this wheelbase, m.
 #[must_use]
 pub fn place(place: usize, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], wheelbase: f32) -> [Lanes; 2] {
     let [forward, left] = PLACES[place].map(|v| v * wheelbase);
@@ -27,14 +27,14 @@ pub fn place(place: usize, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], wheelba
     ]
 }
 
-/// A weight above 0 that grows with z: z/2 + √(z²/4 + 1), Barron's squareplus (*Squareplus: A Softplus-Like Algebraic Rectifier*, 2021),
-/// which needs no exponential.
+/// A positive weight that increases with z: z/2 + √(z²/4 + 1), Barron's squareplus (*Squareplus: A Softplus-Like
+/// Algebraic Rectifier*, 2021), which needs no exponential.
 #[must_use]
 pub(crate) fn weight(z: f32) -> f32 {
     0.5 * z + (0.25 * z * z + 1.0).sqrt()
 }
 
-/// The table of the ground, and the networks that say how much a place of it matters.
+/// The table of terrain features, and the networks of the attention weights.
 #[derive(Clone, Debug)]
 pub struct Attention {
     table: Table,
@@ -43,7 +43,7 @@ pub struct Attention {
 }
 
 impl Attention {
-    /// The attention that weights describe, over a map of heights of which a terrain was made.
+    /// Builds the attention of these weights over the elevation map of the terrain.
     ///
     /// # Errors
     /// Returns an error if the weights lack a network.
@@ -55,8 +55,9 @@ impl Attention {
         })
     }
 
-    /// What is seen by vehicles of this wheelbase that are told this of themselves: the ground where they are, then the mean over all
-    /// places by the attention that is paid to each. It returns the attention by place; of each vehicle its sum is 1.
+    /// Terrain features for vehicles with this wheelbase and these state inputs: at their own positions, then the
+    /// attention-weighted mean over all positions. Returns the attention weight per position; their sum is 1 for each
+    /// vehicle.
     pub fn look(
         &self,
         (at, direction): ([&Lanes; 2], [&Lanes; 2]),

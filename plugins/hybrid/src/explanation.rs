@@ -1,4 +1,4 @@
-//! What a planner considers, as series that `vb-harness replay` draws (docs/planners.md#what-the-hybrid-planners-consider).
+//! Debug series of the planner, drawn by `vb-harness replay` (docs/planners.md#what-the-hybrid-planners-consider).
 
 use std::collections::VecDeque;
 
@@ -9,33 +9,33 @@ use crate::kinodynamics::{DT, Kinodynamics, State};
 use crate::objective::Objective;
 use crate::table::{HEADINGS, heading};
 
-/// After how long a prediction is held against what came, s at full scale.
+/// Horizon at which predictions are compared with the motion, s at full scale.
 const AHEAD: f32 = 1.0;
 
 fn series(name: &str, values: Vec<f32>) -> Series {
     Series { name: name.into(), values }
 }
 
-/// What is told, and what must be remembered for it.
+/// The recorded series, and the state that they need.
 pub(crate) struct Explanation {
     courses: usize,
     /// Control periods until [`AHEAD`].
     periods: usize,
-    /// Where the plans of the last second had the vehicle after [`AHEAD`], m.
+    /// Predicted positions at [`AHEAD`] of the plans of the last second, m.
     predictions: VecDeque<[f32; 2]>,
-    /// The map of traversability, which is told once.
+    /// The traversability map, recorded once.
     map: Vec<Series>,
 }
 
 impl Explanation {
-    /// So many courses are shown, of a planner with this control period, s at full scale.
+    /// Records `courses` rollouts of a planner with this control period, s at full scale.
     pub(crate) fn new(courses: usize, period: f64) -> Self {
         let periods = (f64::from(AHEAD) / period + 0.5) as usize;
         Self { courses, periods, predictions: VecDeque::new(), map: Vec::new() }
     }
 
-    /// The map of traversability is to be shown with the next step: at every second node a stroke in the heading that costs least,
-    /// with the binary logarithm of the mean price over all headings.
+    /// Records the traversability map with the next step: at every second node a stroke in the heading of minimum cost,
+    /// with the binary logarithm of the mean cost over all headings.
     pub(crate) fn show(&mut self, frame: GridFrame, model: &Kinodynamics, costs: &[f32]) {
         let area = (frame.rows * frame.cols) as usize;
         let (mut strokes, mut prices) = (Vec::new(), Vec::new());
@@ -106,7 +106,7 @@ impl Explanation {
         told
     }
 
-    /// How far the vehicle is from where the plan of a second ago had it by now, m.
+    /// Distance of the vehicle from the position that the plan of a second ago predicted for now, m.
     fn missed_by(&mut self, start: &State, plan: &[f32]) -> Option<f32> {
         let p = plan.chunks_exact(3).nth((AHEAD / DT) as usize)?;
         self.predictions.push_back([p[0], p[1]]);
@@ -118,7 +118,7 @@ impl Explanation {
     }
 }
 
-/// The height of the ground, m.
+/// The height of the terrain, m.
 fn height(model: &Kinodynamics, x: f32, y: f32) -> f32 {
     model.terrain().heights(&[x; LANES], &[y; LANES])[0]
 }

@@ -1,7 +1,7 @@
-//! What the plugins of the hybrid planners are made of.
+//! Macros that export the hybrid planners as plugins.
 
-/// Makes a plugin of a variant of [`Hybrid`](crate::Hybrid): its planner, its name, what it does, its aim, what it predicts by,
-/// and the parameters whose defaults are its own. All variants share the others.
+/// Exports a variant of [`Hybrid`](crate::Hybrid) as a plugin: planner type, name, description, aim, prediction model,
+/// and the parameters with their own defaults. All variants share the other parameters.
 #[macro_export]
 macro_rules! export_hybrid {
     (
@@ -38,8 +38,8 @@ macro_rules! export_hybrid {
     };
 }
 
-/// Makes a plugin of a planner that has a [`Hybrid`](crate::Hybrid): its name, what it does, whether its networks pay attention,
-/// how many courses it draws, the parameters that it has beside those of all, and what it asks for where there are no maps, if anything.
+/// Exports a planner that contains a [`Hybrid`](crate::Hybrid) as a plugin: name, description, whether the networks use
+/// attention, rollouts per period, additional parameters, and the data required by tasks without maps.
 #[macro_export]
 macro_rules! export_sampling {
     (
@@ -59,18 +59,18 @@ macro_rules! export_sampling {
             params: {
                 speed: 4.0 => "target speed, m/s at full scale",
                 $($own)*
-                samples: $samples => "courses drawn every control period",
-                horizon: 20 => "steps of a course, of 0.2 s at full scale",
-                spacing: 5 => "steps from one drawn command to the next; those between lie on a line",
-                speed_spread: 1.0 => "standard deviation of drawn speed, m/s at full scale",
-                obstacle: 10.0 => "weight of obstacles and edges",
-                margin: 1.0 => "distance between vehicle and obstacle that costs nothing, m at full scale",
+                samples: $samples => "rollouts per control period",
+                horizon: 20 => "steps per rollout, of 0.2 s at full scale",
+                spacing: 5 => "spacing of sampled commands, steps; linear in between",
+                speed_spread: 1.0 => "standard deviation of sampled speeds, m/s at full scale",
+                obstacle: 10.0 => "weight of obstacles and world edges",
+                margin: 1.0 => "distance from obstacles above which they have no cost, m at full scale",
                 pace: 0.5 => "weight of the deviation from the target speed",
                 effort: 0.2 => "weight of steering",
-                roll: 12.0 => "roll that costs nothing, degrees",
-                pitch: 15.0 => "pitch that costs nothing, degrees",
-                learned: 1 => "whether the networks have a say; 0 for a bicycle on the plane through its wheels",
-                explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
+                roll: 12.0 => "roll angle up to which it has no cost, degrees",
+                pitch: 15.0 => "pitch angle up to which it has no cost, degrees",
+                learned: 1 => "1: learned model; 0: kinematic bicycle on the plane through its wheels",
+                explain: 0 => "number of rollouts (rounded up to a multiple of 8) to record with their costs in the debug file",
             }
             $(, without_maps: { $($more)* })?,
             models: [if $attention { $crate::ATTENTION_MODELS } else { $crate::PATCH_MODELS }],

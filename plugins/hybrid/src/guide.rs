@@ -1,12 +1,12 @@
-//! Where the map leads: commands that descend the cost of the way to the goal, step by step, as the model moves.
+//! Commands that descend the cost-to-go step by step, with the motion of the model.
 
 use vb_sdk::mppi::{Cost, LANES, Lanes, Model};
 
 use crate::kinodynamics::{Kinodynamics, State};
 use crate::objective::Objective;
 
-/// Commands of steering and speed for each of some knots, `spacing` steps of `dt` s apart: from knot to knot that of [`LANES`]
-/// steerings that costs least by then.
+/// Commands of steering and speed at knots `spacing` steps of `dt` s apart. For each interval, the minimum-cost
+/// steering of [`LANES`] candidates.
 #[must_use]
 pub fn descend(
     model: &Kinodynamics,

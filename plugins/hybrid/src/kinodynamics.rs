@@ -1,4 +1,4 @@
-//! The motion of a vehicle in six degrees of freedom.
+//! Learned 6-DoF kinodynamics.
 
 use std::cell::RefCell;
 
@@ -10,32 +10,32 @@ use crate::attention::{PLACES, place};
 use crate::sight::{SEEN, Sight};
 use crate::terrain::Terrain;
 
-/// The time of a step at full scale, s.
+/// Step length at full scale, s.
 pub const DT: f32 = 0.2;
-/// Inputs of the networks that tell state and commands; those after them are what is seen of the ground.
+/// State and command inputs of the networks; terrain features follow.
 pub const TOLD: usize = 11;
-/// Outputs of the network: by how much the change of speed, the yaw rate, the sideways speed, roll and pitch differ from those of a
-/// bicycle on a plane, and the wheels' slip speed from half of what it was, in the units of [`SCALES`].
+/// Outputs of the network: corrections of the speed change, yaw rate, lateral speed, roll and pitch of a bicycle on a
+/// plane, and of the wheels' slip speed relative to half of its last value, in units of [`SCALES`].
 pub const OUTPUTS: usize = 6;
 /// Units of the outputs: m/s, rad/s, m/s, rad, rad, m/s at full scale.
 pub const SCALES: [f32; OUTPUTS] = [0.5, 0.3, 0.5, 0.1, 0.1, 1.0];
-/// What is left of the wheels' slip speed after a step, before the network's say.
+/// Fraction of the wheels' slip speed that remains after a step, before the correction.
 pub const SLIP_KEPT: f32 = 0.5;
-/// The slip speeds that networks are told lie within this, m/s at full scale.
+/// Bound of the slip speed input of the networks, m/s at full scale.
 pub const SLIP_LIMIT: f32 = 8.0;
-/// Outputs of the network of hazards: the logits of getting stuck and of tipping over within [`SOON`].
+/// Outputs of the hazard network: the logits of getting stuck and of tipping over within [`SOON`].
 pub const HAZARDS: usize = 2;
-/// The time within which hazards are foreseen, at full scale, s.
+/// Prediction horizon of hazards, at full scale, s.
 pub const SOON: f32 = 1.5;
-/// The wheelbase that is full scale, m: that of the HMMWV.
+/// The wheelbase at full scale, m: that of the HMMWV.
 const FULL: f64 = 3.302;
 
-/// What turns lengths, speeds and rates into those of full scale (Froude's rule: times go with the root of lengths).
+/// Factors that convert lengths, speeds and rates to full scale (Froude scaling: times scale with the root of lengths).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Multiplies speeds.
+    /// Factor of speeds.
     pub speed: f32,
-    /// Multiplies angular velocities.
+    /// Factor of angular velocities.
     pub rate: f32,
 }
 
@@ -46,7 +46,7 @@ impl Units {
         Self { speed: 1.0 / root, rate: root }
     }
 
-    /// Multiplies times.
+    /// Factor of times.
     #[must_use]
     pub fn time(self) -> f32 {
         1.0 / self.rate
@@ -70,9 +70,9 @@ pub struct State {
     pub side: Lanes,
     /// Yaw rates, rad/s.
     pub turn: Lanes,
-    /// The steering that the wheels have, in -1 to 1.
+    /// Wheel steering, -1 to 1.
     pub steering: Lanes,
-    /// Slip speeds of the wheels, as [`slip`] has them, m/s.
+    /// Slip speeds of the wheels, as computed by [`slip`], m/s.
     pub slip: Lanes,
     /// Rolls, rad, positive with the right side down.
     pub roll: Lanes,
@@ -82,12 +82,13 @@ pub struct State {
     pub stuck: Lanes,
     /// Probabilities of tipping over within [`SOON`].
     pub over: Lanes,
-    /// The planes through their wheels, as [`Terrain::plane`] tells them: looked up at the end of a step, for the next.
+    /// The planes through their wheels, as returned by [`Terrain::plane`]: looked up at the end of a step for the next
+    /// step.
     pub plane: [Lanes; 3],
 }
 
 impl State {
-    /// The state in which every vehicle is as observed, on this terrain.
+    /// The observed state on this terrain, equal for all vehicles.
     ///
     /// # Errors
     /// Returns an error if the observation has no pose.
@@ -114,7 +115,7 @@ impl State {
         })
     }
 
-    /// The state in which every vehicle is as one of them.
+    /// The state of one vehicle, copied to all.
     #[must_use]
     pub fn all_as(&self, lane: usize) -> Self {
         let all = |v: &Lanes| [v[lane]; LANES];
@@ -137,8 +138,8 @@ impl State {
     }
 }
 
-/// The slip speed of a vehicle whose wheels turn with these angular velocities (rad/s) while it drives at a speed (m/s): by how
-/// much the treads are faster than the vehicle, as a mean over the wheels, m/s. Without wheels it is 0.
+/// The slip speed of a vehicle: mean over the wheels of tread speed less vehicle speed, m/s, from angular velocities
+/// (rad/s) and speed (m/s). 0 without wheels.
 #[must_use]
 pub fn slip(spins: impl ExactSizeIterator<Item = f64>, speed: f64, vehicle: &Vehicle) -> f64 {
     let wheels = spins.len();
@@ -149,13 +150,13 @@ pub fn slip(spins: impl ExactSizeIterator<Item = f64>, speed: f64, vehicle: &Veh
     (vehicle.wheel_radius * spins.sum::<f64>() / wheels as f64 - speed).clamp(-most, most)
 }
 
-/// What of the networks' say is heard.
+/// Which network outputs the model uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Learned {
     All,
-    /// Roll and pitch: place and heading are those of a bicycle, and hazards aren't foreseen.
+    /// Roll and pitch; position and heading are those of a bicycle, and hazards are not predicted.
     Attitude,
-    /// Nothing: a bicycle on the plane through its wheels.
+    /// None: a bicycle on the plane through its wheels.
     Nothing,
 }
 
@@ -168,25 +169,25 @@ pub struct Kinodynamics {
     network: FixedNetwork,
     hazards: FixedNetwork,
     units: Units,
-    /// Of the path at full lock, 1/m.
+    /// Path curvature at full lock, 1/m.
     curvature: f32,
-    /// 1/s.
+    /// Steering rate, 1/s.
     steer_rate: f32,
     scratch: RefCell<FixedScratch>,
 }
 
-/// What networks are told, in pairs, and what they see.
+/// Network inputs in pairs: state and commands, then terrain features.
 type Inputs = [Pair; TOLD.div_ceil(2) + SEEN / 2];
 
-/// The logit of what surely doesn't come.
+/// The logit of a hazard that is practically impossible.
 const CERTAIN: f32 = -6.0;
-/// The time constant with which the bicycle's speed follows its command, s at full scale.
+/// Time constant of the bicycle's speed response, s at full scale.
 pub const LAG: f32 = 0.5;
-/// The most that the bicycle's speed changes by, m/s² at any scale.
+/// Maximum acceleration of the bicycle, m/s² at any scale.
 pub const ACCELERATION: f32 = 3.0;
 
 impl Kinodynamics {
-    /// What the networks are told and see, and the attention that they pay to each place, if they pay any.
+    /// The network inputs, and the attention weight of each position if the model has attention.
     fn inputs(
         &self,
         s: &State,
@@ -201,7 +202,7 @@ impl Kinodynamics {
         (input, attention)
     }
 
-    /// What the networks say: corrections, and logits of hazards.
+    /// Evaluates the networks: corrections, and logits of hazards.
     fn ask(&self, s: &State, command: &[Lanes; 2]) -> ([Lanes; OUTPUTS], [Lanes; HAZARDS]) {
         let scratch = &mut self.scratch.borrow_mut();
         let (mut out, mut ahead) = ([[0.0; LANES]; OUTPUTS], [[CERTAIN; LANES]; HAZARDS]);
@@ -226,22 +227,22 @@ impl Kinodynamics {
         (out, ahead)
     }
 
-    /// How much attention is paid to each of [`PLACES`], if the model has any.
+    /// The attention weight of each of [`PLACES`], if the model has attention.
     #[must_use]
     pub fn attention(&self, s: &State, command: &[Lanes; 2]) -> Option<[Lanes; PLACES.len()]> {
         self.inputs(s, command, &mut self.scratch.borrow_mut()).1
     }
 
-    /// Where the places lie that a model with attention looks at, m.
+    /// The attended positions, if the model has attention, m.
     #[must_use]
     pub fn places(&self, s: &State) -> [[Lanes; 2]; PLACES.len()] {
         std::array::from_fn(|k| place(k, [&s.x, &s.y], [&s.cos, &s.sin], self.terrain.size().0))
     }
 
-    /// The model of a vehicle on a terrain as weights describe it, over the map of heights of which the terrain was made.
+    /// Builds the model of a vehicle on a terrain from weights, over the elevation map of the terrain.
     ///
     /// # Errors
-    /// Returns an error if the weights lack a network, or have one that doesn't fit.
+    /// Returns an error if the weights lack a network, or have a network of another shape.
     pub fn new(
         heights: &HeightMap,
         terrain: Terrain,
@@ -263,14 +264,14 @@ impl Kinodynamics {
         })
     }
 
-    /// The same model, of which something else is heard.
+    /// The same weights with another selection of outputs.
     #[must_use]
     pub fn hearing(self, learned: Learned) -> Self {
         Self { learned, ..self }
     }
 
-    /// What comes of driving straight on at a speed, at these places in a direction: the probabilities of getting stuck and of tipping
-    /// over, and the fraction of its speed that the vehicle would lose in a second (none if it gets faster).
+    /// Hazards of driving straight at a speed from these positions in a direction: the probabilities of getting stuck
+    /// and of tipping over, and the fraction of speed lost within a second (0 for a gain).
     #[must_use]
     pub fn hazards_at(&self, place: [&Lanes; 2], [cos, sin]: [f32; 2], speed: f32) -> [Lanes; 3] {
         let (cos, sin) = ([cos; LANES], [sin; LANES]);
@@ -303,7 +304,7 @@ impl Kinodynamics {
     }
 }
 
-/// What the network is told beside the ground: the state and the commands, at full scale.
+/// State and command inputs of the network, at full scale.
 #[must_use]
 pub fn inputs(s: &State, command: &[Lanes; 2], units: Units) -> [Lanes; TOLD] {
     let scaled = |v: &Lanes, by: f32| v.map(|v| v * by);
@@ -323,7 +324,7 @@ pub fn inputs(s: &State, command: &[Lanes; 2], units: Units) -> [Lanes; TOLD] {
     ]
 }
 
-/// The logistic function, within 0.012: by Lambert's fraction for tanh, without an exponential.
+/// The logistic function with an error below 0.012: Lambert's fraction for tanh, without an exponential.
 #[must_use]
 pub fn probability(logit: f32) -> f32 {
     let t = (0.5 * logit).clamp(-3.0, 3.0);
@@ -338,7 +339,7 @@ impl Model<2> for Kinodynamics {
         let units = self.units;
         let (out, ahead) = self.ask(s, command);
         (s.stuck, s.over) = (ahead[0].map(probability), ahead[1].map(probability));
-        // The network has learned steps of one length; within a little longer or shorter ones as much more or less happens.
+        // The network is trained for one step length; its corrections scale with the length of the step.
         let part = dt * units.time() / DT;
         let most = self.steer_rate * dt;
         let gain = (dt * units.time() / LAG).min(1.0);
@@ -354,11 +355,11 @@ impl Model<2> for Kinodynamics {
             let slip = SLIP_KEPT * s.slip[l] * units.speed + SCALES[5] * out[5][l];
             s.slip[l] = slip.clamp(-SLIP_LIMIT, SLIP_LIMIT) / units.speed;
             let (turn, aside) = (s.turn[l] * dt, s.side[l] * dt);
-            // Seen from above, a way on a slope is shorter by the cosine of its pitch.
+            // The horizontal distance on a slope is shorter by the cosine of the pitch.
             let level = 1.0 - 0.5 * s.plane[2][l] * s.plane[2][l];
             let (way, half, square) = (way * level, 0.5 * turn, turn * turn);
             let (c, n) = (s.cos[l], s.sin[l]);
-            // Along the heading of the middle of the step.
+            // Along the heading at the middle of the step.
             let (mc, mn) = (c - half * n, n + half * c);
             s.x[l] += way * mc - aside * mn;
             s.y[l] += way * mn + aside * mc;

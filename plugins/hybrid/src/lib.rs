@@ -1,17 +1,16 @@
-//! What the planners with learned models share.
+//! Components shared by the planners with learned models.
 //!
-//! - [`Terrain`] tells how the ground lies under a vehicle: the plane through its wheels, and the patch about it.
-//! - [`Table`] holds what a network makes of the patch at every place and heading, made once in `init`: the ground doesn't change,
-//!   so that roll-outs only look up.
-//! - [`Attention`] looks at places ahead in the same table.
-//! - [`Kinodynamics`] moves the vehicle in six degrees of freedom: a bicycle on the plane through its wheels, and what a network
-//!   has learned that these two get wrong.
-//! - [`costs`] and [`Values`] are the map of traversability and the cost of the way to the goal over it; [`descend`] is where they
-//!   lead.
-//! - [`Objective`] is what a course costs.
+//! - [`Terrain`] samples the terrain under a vehicle: the plane through its wheels, and the patch around it.
+//! - [`Table`] contains the network's features of the patch at every position and heading, computed once in `init`: the
+//!   terrain is static, so rollouts only look up.
+//! - [`Attention`] looks up the features of positions ahead in the same table.
+//! - [`Kinodynamics`] predicts motion in six degrees of freedom: a bicycle on the plane through its wheels, plus
+//!   learned corrections.
+//! - [`costs`] and [`Values`] are the traversability map and the cost-to-go over it; [`descend`] follows its descent.
+//! - [`Objective`] is the cost of a rollout.
 //!
-//! Lengths are measured in wheelbases and times by Froude's rule, so that a model serves a vehicle class at any scale.
-//! `tools/model-train` trains with the very functions that the planners roll out.
+//! Lengths are normalised by the wheelbase and times by Froude scaling, so that one model serves all scales of a
+//! vehicle class. `tools/model-train` trains with the functions that the planners roll out.
 
 mod attention;
 mod explanation;

@@ -1,8 +1,8 @@
-//! The learned models that planners have, by the vehicle that they were learned with.
+//! The embedded learned models, by the vehicle of their training data.
 
 use vb_sdk::nn::{Weights, WeightsError};
 
-/// The weights of a vehicle.
+/// The weights for a vehicle.
 struct Model {
     vehicle: &'static str,
     patch: &'static [u8],
@@ -11,11 +11,11 @@ struct Model {
 
 macro_rules! models {
     ($first:literal $(, $more:literal)*) => {
-        /// All models; the first is for vehicles that none is of.
+        /// All models; the first serves vehicles without their own model.
         static MODELS: &[Model] = &[models!(@ $first) $(, models!(@ $more))*];
-        /// What the metadata of a planner says whose networks see patches.
+        /// Model names in the metadata of planners with patch networks.
         pub const PATCH_MODELS: &str = concat!(models!(@ $first "") $(, "; ", models!(@ $more ""))*);
-        /// What the metadata of a planner says whose networks pay attention.
+        /// Model names in the metadata of planners with attention.
         pub const ATTENTION_MODELS: &str =
             concat!(models!(@ $first "-attention") $(, "; ", models!(@ $more "-attention"))*);
     };
@@ -31,11 +31,11 @@ macro_rules! models {
 
 models!("hmmwv", "man5t", "verti4wheeler");
 
-/// The weights for a vehicle, which see patches or pay attention: its own if there are any, else those of another, whose name they
-/// have in the note `vehicle`.
+/// The weights for a vehicle, with patch networks or attention: its own, or those of the default vehicle, named in the
+/// note `vehicle`.
 ///
 /// # Errors
-/// Returns an error if they can't be read, which is a mistake of whoever built the plugin.
+/// Returns an error if the embedded weights are invalid.
 pub(crate) fn weights(vehicle: &str, attention: bool) -> Result<Weights, WeightsError> {
     let model = MODELS.iter().find(|m| m.vehicle == vehicle).unwrap_or(&MODELS[0]);
     Weights::parse(if attention { model.attention } else { model.patch })

@@ -1,63 +1,64 @@
-//! What a course costs.
+//! Cost of a rollout.
 
 use vb_sdk::mppi::{Cost, Field, LANES, Lanes};
 
 use crate::kinodynamics::State;
 use crate::traversability::Values;
 
-/// A touch costs so many times the greatest price of being near.
+/// Cost of a contact, as a multiple of the maximum cost of proximity.
 const TOUCH: f32 = 10.0;
 
-/// Weights of the parts.
+/// Weights of the cost terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of the squared distance from the local goal, in look-aheads: as a mean over the steps, and as much again for the end.
+    /// Squared distance from the local goal, in look-ahead distances: mean over the steps, plus the same term for the
+    /// final state.
     pub goal: f32,
-    /// Of obstacles and edges.
+    /// Obstacles and edges.
     pub obstacle: f32,
-    /// Of the squared deviation from the target speed, as a fraction of it.
+    /// Squared deviation from the target speed, as a fraction of it.
     pub pace: f32,
-    /// Of the squared steering.
+    /// Squared steering.
     pub effort: f32,
-    /// Of roll and pitch beyond what is comfortable.
+    /// Roll and pitch above their comfort limits.
     pub tilt: f32,
-    /// Of the probability of getting stuck.
+    /// Probability of getting stuck.
     pub stuck: f32,
-    /// Of the probability of tipping over.
+    /// Probability of tipping over.
     pub over: f32,
-    /// What probabilities are multiplied by before they are cut at 1: 1 / (1 − α), by which the cost has the conditional value at
-    /// risk of level α of the hazard in place of its expectation.
+    /// Factor of probabilities before they are clamped to 1: 1 / (1 − α), which turns the expected cost into the
+    /// conditional value at risk at level α.
     pub caution: f32,
 }
 
-/// The cost of a course, as means over its steps.
+/// The cost of a rollout, as means over its steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Objective {
     /// The local goal, m.
     pub goal: [f32; 2],
-    /// 1 / look-ahead, 1/m.
+    /// 1 / look-ahead distance, 1/m.
     pub per_lookahead: f32,
     /// The target speed, m/s.
     pub target: f32,
-    /// Steps of a course.
+    /// Steps per rollout.
     pub steps: f32,
     pub weights: Weights,
     /// Distance of an axle from the reference point, m.
     pub axle: f32,
-    /// Radius of the circles about the axles that cover the vehicle's width, m.
+    /// Radius of the circles around the axles that cover the vehicle's width, m.
     pub radius: f32,
-    /// How far beyond the circles nearness counts, m.
+    /// Distance outside the circles within which obstacles have a cost, m.
     pub margin: f32,
-    /// Roll and pitch up to which nothing is paid, rad; as much again costs one weight.
+    /// Roll and pitch up to which they have no cost, rad; twice the limit costs one weight.
     pub comfort: [f32; 2],
     /// Distance to obstacles and edges, m.
     pub clearance: Field,
-    /// The cost of the way to the goal, which takes the place of the distance from the local goal.
+    /// The cost-to-go, which replaces the distance from the local goal.
     pub values: Option<Values>,
 }
 
 impl Objective {
-    /// Squared distance from the local goal, or the cost of the way to the goal, in look-aheads, at places (m) and headings.
+    /// Squared distance from the local goal, or cost-to-go, in look-ahead distances, at positions (m) and headings.
     #[must_use]
     pub fn away(&self, [x, y]: [&Lanes; 2], direction: [&Lanes; 2]) -> Lanes {
         if let Some(values) = &self.values {
@@ -70,7 +71,7 @@ impl Objective {
         })
     }
 
-    /// Price of a circle at `axle` (m) ahead of these places and headings.
+    /// Proximity cost of a circle `axle` (m) ahead of these positions and headings.
     #[must_use]
     pub fn near(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2], axle: f32) -> Lanes {
         let x: Lanes = std::array::from_fn(|l| x[l] + axle * cos[l]);
@@ -84,16 +85,16 @@ impl Objective {
     }
 }
 
-/// The square of what lies beyond a limit, in limits.
+/// The squared excess over a limit, in units of the limit.
 #[must_use]
 pub fn beyond(value: f32, limit: f32) -> f32 {
     let over = (value.abs() / limit - 1.0).max(0.0);
     over * over
 }
 
-/// The conditional value at risk of a loss of 1 that comes with a probability: its mean over the worst part 1 − α of what may come,
-/// which is min(1, p / (1 − α)) (Rockafellar and Uryasev, "Optimization of conditional value-at-risk", 2000, for two outcomes).
-/// `caution` is 1 / (1 − α); with α = 0 it is the expectation, p.
+/// The conditional value at risk of a loss of 1 with this probability: its mean over the worst fraction 1 − α of
+/// outcomes, which is min(1, p / (1 − α)) (Rockafellar and Uryasev, "Optimization of conditional value-at-risk", 2000,
+/// for two outcomes). `caution` is 1 / (1 − α); with α = 0 it is the expectation, p.
 fn conditional_value_at_risk(probability: f32, caution: f32) -> f32 {
     (probability * caution).min(1.0)
 }
@@ -128,7 +129,8 @@ impl Cost<State, 2> for Objective {
 mod tests {
     use super::*;
 
-    /// Against its definition: the mean of the greatest losses that make up the part 1 − α of a hundred thousand outcomes.
+    /// Compares with the definition: the mean of the largest losses that make up the fraction 1 − α of a hundred
+    /// thousand outcomes.
     #[test]
     fn the_conditional_value_at_risk_is_the_mean_of_the_worst_outcomes() {
         const OUTCOMES: usize = 100_000;

@@ -1,4 +1,4 @@
-//! The planner that the hybrid ones are variants of.
+//! The base of the hybrid planners.
 
 use vb_sdk::mppi::{Field, Mppi, Settings};
 use vb_sdk::path::{Follower, Path};
@@ -14,28 +14,28 @@ use crate::table::HEADINGS;
 use crate::terrain::Terrain;
 use crate::traversability::{Prices, Values, costs};
 
-/// The gains of the speed controller with which the model was learned: s/m, and 1/m.
+/// Gains of the speed controller in the model's training data: s/m, and 1/m.
 const GAINS: (f64, f64) = (0.6, 0.15);
 
-/// What courses are to come nearer to.
+/// What rollouts approach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
-    /// A point on the global path, the look-ahead away.
+    /// A point on the global path at the look-ahead distance.
     Path,
-    /// The goal, over the ground that costs least by the parameters `price_*`.
+    /// The goal, along the path of minimum cost with the parameters `price_*`.
     Traversability,
 }
 
-/// What a planner predicts by.
+/// The prediction model of a planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Prediction {
-    /// What of the networks it hears.
+    /// Which network outputs it uses.
     pub learned: Learned,
-    /// Whether the networks pay attention to places ahead, or see the patch about the vehicle alone.
+    /// Whether the networks attend to positions ahead, or use only the patch around the vehicle.
     pub attention: bool,
 }
 
-/// What the level of risk at which hazards are priced multiplies probabilities by.
+/// The factor of hazard probabilities at the level `risk`, 1 / (1 − level).
 fn caution(task: &Task) -> Result<f32, PlannerError> {
     let level = task.param_f64("risk")?;
     if !(0.0..=0.99).contains(&level) {
@@ -44,28 +44,28 @@ fn caution(task: &Task) -> Result<f32, PlannerError> {
     Ok((1.0 / (1.0 - level)) as f32)
 }
 
-/// A place of the map of traversability, with a heading of the vehicle there.
+/// A position on the traversability map, with a heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The row of the map of heights, from the south.
+    /// The row of the elevation map, from the south.
     pub row: u32,
-    /// The column of the map of heights, from the west.
+    /// The column of the elevation map, from the west.
     pub col: u32,
-    /// Where it lies, m.
+    /// Its position, m.
     pub at: Point2,
-    /// The heading, as [`heading`](crate::heading) counts it.
+    /// The heading, as an index of [`heading`](crate::heading).
     pub heading: usize,
 }
 
 struct Traversability {
     frame: GridFrame,
-    /// What a way over each place costs, by heading, row and column.
+    /// Path cost per metre at each position, by heading, row and column.
     costs: Vec<f32>,
     goal: Point2,
 }
 
 impl Traversability {
-    /// Makes places dearer by what is told of each.
+    /// Adds a cost to each position.
     fn add(&mut self, mut dearer: impl FnMut(Place) -> f32) {
         let (frame, area) = (self.frame, self.costs.len() / HEADINGS);
         for (heading, costs) in self.costs.chunks_exact_mut(area).enumerate() {
@@ -77,28 +77,28 @@ impl Traversability {
         }
     }
 
-    /// The costs of the ways to the goal.
+    /// The cost-to-go of all positions.
     fn values(&self) -> Values {
         Values::new(self.frame, &self.costs, self.goal)
     }
 }
 
-/// MPPI over learned motion. The parameters are those that the plugins declare.
+/// MPPI with learned dynamics. The plugins declare the parameters.
 pub struct Hybrid {
     follower: Follower,
     lookahead: f64,
     model: Kinodynamics,
     vehicle: Vehicle,
     objective: Objective,
-    /// The target speed before any hurry, m/s.
+    /// The target speed without increase, m/s.
     target: f32,
     map: Option<Traversability>,
     mppi: Mppi<2>,
     speed: SpeedController,
-    /// The part of the draws that follows the map.
+    /// The fraction of rollouts sampled around the cost-to-go descent.
     guided: f64,
     spacing: usize,
-    /// The time of a step of a course, s.
+    /// The step length of rollouts, s.
     dt: f32,
     root: f64,
     period: f64,
@@ -106,19 +106,19 @@ pub struct Hybrid {
 }
 
 impl Hybrid {
-    /// The planner of a task.
+    /// Initialises the planner for a task.
     ///
     /// # Errors
-    /// Returns an error if a parameter is wrong, or the task has no maps.
+    /// Returns an error for an invalid parameter, or a task without maps.
     pub fn new(task: &Task, aim: Aim, prediction: Prediction) -> Result<Self, PlannerError> {
         Self::over(task, aim, prediction, None::<fn(Place) -> f32>)
     }
 
-    /// The planner of a task, to which places are dearer than the networks have them: by what `dearer` says of each, in lengths
-    /// of the way. It is asked only if the planner aims by the map of traversability.
+    /// Initialises the planner for a task with additional path costs per metre, `dearer`, for each position. `dearer`
+    /// is used only with [`Aim::Traversability`].
     ///
     /// # Errors
-    /// Returns an error if a parameter is wrong, or the task has no maps.
+    /// Returns an error for an invalid parameter, or a task without maps.
     pub fn over(
         task: &Task,
         aim: Aim,
@@ -140,7 +140,7 @@ impl Hybrid {
         };
         let heights = task.elevation()?;
         let terrain = Terrain::new(heights, task.semantics.as_ref(), vehicle)
-            .ok_or_else(|| PlannerError::new("the map of heights has fewer than 2 x 2 samples"))?;
+            .ok_or_else(|| PlannerError::new("the elevation map has fewer than 2 x 2 samples"))?;
         let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")? * root);
         let (margin, radius) = (positive("margin")? * scale, 0.5 * vehicle.width);
         task.occupancy()?;
@@ -172,7 +172,7 @@ impl Hybrid {
                 pace: weight("pace")?,
                 effort: weight("effort")?,
                 tilt: weight("tilt")?,
-                // Who doesn't foresee them has no weights of hazards.
+                // Planners without hazard prediction have no hazard weights.
                 stuck: if learned == Learned::All { weight("stuck")? } else { 0.0 },
                 over: if learned == Learned::All { weight("over")? } else { 0.0 },
                 caution: if learned == Learned::All { caution(task)? } else { 1.0 },
@@ -240,7 +240,7 @@ impl Hybrid {
         })
     }
 
-    /// Makes places dearer from now on, as in [`Hybrid::over`], and searches the map of traversability again.
+    /// Adds a cost to each position as in [`Hybrid::over`], and recomputes the cost-to-go.
     pub fn avoid(&mut self, dearer: impl FnMut(Place) -> f32) {
         if let Some(map) = &mut self.map {
             map.add(dearer);
@@ -253,18 +253,18 @@ impl Hybrid {
         &self.objective
     }
 
-    /// What it plans to command in so many seconds: steering, and speed (m/s).
+    /// The planned command after so many seconds: steering, and speed (m/s).
     #[must_use]
     pub fn planned(&self, time: f64) -> [f64; 2] {
         self.mppi.command(time)
     }
 
-    /// From now on it aims at so many times the target speed of its parameters.
+    /// Multiplies the target speed of the parameters by a factor.
     pub fn hurry(&mut self, times: f64) {
         self.objective.target = (f64::from(self.target) * times) as f32;
     }
 
-    /// The command at an observation.
+    /// Computes the command for an observation.
     ///
     /// # Errors
     /// Returns an error if the observation has no pose.
@@ -298,7 +298,7 @@ impl Hybrid {
             None => Vec::new(),
         };
         self.mppi.advance(self.period);
-        // The controller knows speeds at full scale.
+        // The controller expects speeds at full scale.
         let speed = pose.linear_velocity.x / self.root;
         let (throttle, brake) = self.speed.update(target / self.root, speed, self.period);
         Ok(Command { steering: steering.clamp(-1.0, 1.0), throttle, brake, debug, ..Command::default() })

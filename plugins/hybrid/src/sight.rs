@@ -1,4 +1,4 @@
-//! What of the ground the networks see.
+//! Terrain inputs of the networks.
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::Lanes;
@@ -9,20 +9,20 @@ use crate::kinodynamics::{State, TOLD};
 use crate::table::{CHANNELS, Table, headings_of};
 use crate::terrain::Terrain;
 
-/// A way to look at the ground.
+/// Kind of terrain input.
 #[derive(Clone, Debug)]
 pub enum Sight {
-    /// The patch about the vehicle, at the nearest of some headings.
+    /// The patch around the vehicle, at the nearest table heading.
     Patch(Table),
-    /// The same, and those at places that it may come to.
+    /// The patch, and those at attended positions.
     Attention(Box<Attention>),
 }
 
-/// Numbers that are seen, at most.
+/// Maximum number of terrain features.
 pub const SEEN: usize = 2 * CHANNELS;
 
 impl Sight {
-    /// The way that weights were trained with, over a map of heights of which a terrain was made.
+    /// The kind of input that weights were trained with, over the elevation map of the terrain.
     ///
     /// # Errors
     /// Returns an error if the weights lack a network.
@@ -33,7 +33,8 @@ impl Sight {
         })
     }
 
-    /// The parts of what networks are told and see, which in fixed point begin with pairs of their own.
+    /// The sizes of the input parts: state and command inputs, and terrain features. In fixed point each part begins a
+    /// new pair.
     #[must_use]
     pub fn parts(&self) -> &'static [usize] {
         match self {
@@ -42,7 +43,8 @@ impl Sight {
         }
     }
 
-    /// What vehicles of this wheelbase see that are told this of themselves, and the attention that they pay to each place.
+    /// Terrain features for vehicles with this wheelbase and these state inputs, and the attention weight of each
+    /// position.
     pub fn look(
         &self,
         s: &State,

@@ -1,4 +1,4 @@
-//! What a network makes of the ground at every place and heading.
+//! Terrain features of a network at every position and heading.
 
 use vb_sdk::HeightMap;
 use vb_sdk::mppi::{LANES, Lanes};
@@ -7,13 +7,13 @@ use wide::i16x8;
 
 use crate::terrain::{Nodes, PATCH, Terrain};
 
-/// Numbers that the network gives for each place and heading.
+/// Features per position and heading.
 pub const CHANNELS: usize = 8;
 /// Headings of the table.
 pub const HEADINGS: usize = 16;
 
-/// A direction as a number of headings, from 0 to [`HEADINGS`]. Headings lie at equal distances along the square whose corners are
-/// the axes: nearly equal angles, without a trigonometric function.
+/// A direction as a fractional heading index, from 0 to [`HEADINGS`]. Headings are equidistant along the square whose
+/// corners are the axes: nearly equal angles, without a trigonometric function.
 #[must_use]
 pub(crate) fn around(cos: f32, sin: f32) -> f32 {
     let sum = (cos.abs() + sin.abs()).max(1e-6);
@@ -24,20 +24,20 @@ pub(crate) fn around(cos: f32, sin: f32) -> f32 {
     around * (HEADINGS / 4) as f32
 }
 
-/// The heading of the table that is nearest to a direction.
+/// The table heading nearest to a direction.
 #[must_use]
 pub fn heading_of(cos: f32, sin: f32) -> usize {
-    // What is no number becomes 0.
+    // NaN becomes 0.
     (around(cos, sin) + 0.5) as i32 as usize % HEADINGS
 }
 
-/// The headings of the table that are nearest to directions.
+/// The table headings nearest to directions.
 #[must_use]
 pub(crate) fn headings_of([cos, sin]: [&Lanes; 2]) -> [usize; LANES] {
     std::array::from_fn(|l| heading_of(cos[l], sin[l]))
 }
 
-/// The cosine and the sine of a heading of the table.
+/// The cosine and the sine of a table heading.
 #[must_use]
 pub fn heading(index: usize) -> [f32; 2] {
     let around = (index % HEADINGS) as f32 / (HEADINGS / 4) as f32;
@@ -52,10 +52,10 @@ pub fn heading(index: usize) -> [f32; 2] {
     [x / length, y / length]
 }
 
-/// [`CHANNELS`] numbers at every node of a grid, for each heading, in fixed point.
+/// [`CHANNELS`] features at every node of a grid, for each heading, in fixed point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// By heading, row and column.
+    /// Indexed by heading, row and column.
     values: Vec<[i16; CHANNELS]>,
     rows: usize,
     cols: usize,
@@ -64,16 +64,16 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table of the network `ground`.
+    /// Builds the table of the network `ground`.
     ///
     /// # Errors
-    /// Returns an error if the weights lack it.
+    /// Returns an error if the weights lack the network.
     pub fn of(heights: &HeightMap, terrain: &Terrain, weights: &Weights) -> Result<Self, WeightsError> {
         Ok(Self::new(heights, terrain, &weights.fixed_network("ground", &[PATCH], CHANNELS)?))
     }
 
-    /// Evaluates a network of [`PATCH`] inputs and [`CHANNELS`] outputs on the patch at every node of a map of heights, of which a
-    /// terrain was made.
+    /// Evaluates a network of [`PATCH`] inputs and [`CHANNELS`] outputs on the patch at every node of the elevation map
+    /// of the terrain.
     #[must_use]
     pub fn new(heights: &HeightMap, terrain: &Terrain, network: &FixedNetwork) -> Self {
         let frame = heights.frame;
@@ -101,8 +101,8 @@ impl Table {
         Self { values, rows, cols, per_metre: (1.0 / frame.resolution) as f32, origin }
     }
 
-    /// The numbers of each vehicle at these places (m) and headings, interpolated between the four nodes about each; beyond the edge,
-    /// those of the edge.
+    /// The features for these positions (m) and headings, interpolated between the four nodes around each; positions
+    /// outside the map are clamped to its edge.
     #[must_use]
     pub fn at(&self, [x, y]: [&Lanes; 2], headings: &[usize; LANES]) -> [[i16; CHANNELS]; LANES] {
         let most = |n: usize| (n - 1) as f32;
@@ -112,7 +112,7 @@ impl Table {
         let (end_col, end_row) = (self.cols as i32 - 2, self.rows as i32 - 2);
         let col: [i32; LANES] = c.map(|c| (c as i32).min(end_col));
         let row: [i32; LANES] = r.map(|r| (r as i32).min(end_row));
-        // A part of 1 becomes 32767/32768.
+        // A fraction of 1 becomes 32767/32768.
         let part = |at: f32, node: i32| ((at - node as f32) * 32768.0) as i32;
         let u: [i32; LANES] = std::array::from_fn(|l| part(c[l], col[l]).min(32767));
         let v: [i32; LANES] = std::array::from_fn(|l| part(r[l], row[l]).min(32767));

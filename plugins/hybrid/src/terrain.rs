@@ -1,23 +1,23 @@
-//! The ground under a vehicle.
+//! The terrain under a vehicle.
 
 use vb_sdk::mppi::{Field, LANES, Lanes};
 use vb_sdk::{GridFrame, HeightMap, LabelMap, Vehicle};
 
-/// Kinds of ground, by their labels.
+/// Number of terrain classes.
 const CLASSES: usize = 10;
 /// Points of the patch along the vehicle and across it.
 const ALONG: usize = 10;
 const ACROSS: usize = 5;
-/// What a patch has: heights, and the fractions of the wheels that stand on each kind of ground.
+/// Size of a patch: heights, and the fraction of the wheels on each terrain class.
 pub const PATCH: usize = ALONG * ACROSS + CLASSES;
-/// Where the patch begins and ends, from the reference point forward, in wheelbases.
+/// Extent of the patch ahead of the reference point, in wheelbases.
 const REACH: [f32; 2] = [-0.75, 1.25];
 /// Half its width in tracks.
 const HALF_WIDTH: f32 = 0.7;
-/// Heights are told in units of so many wheelbases.
+/// Normalisation scale of heights, in wheelbases.
 const HEIGHT: f32 = 0.1;
 
-/// The ground, as a vehicle stands on it.
+/// The terrain as sampled by a vehicle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
     heights: Field,
@@ -27,12 +27,12 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// The ground of these maps under this vehicle; `None` if the map of heights has fewer than 2 × 2 samples. Without a map of
-    /// classes no wheel stands on any.
+    /// The terrain of these maps for this vehicle; `None` if the elevation map has fewer than 2 × 2 samples. Without a
+    /// class map, the class fractions are 0.
     #[must_use]
     pub fn new(heights: &HeightMap, classes: Option<&LabelMap>, vehicle: &Vehicle) -> Option<Self> {
         let mut values = heights.data.iter();
-        // Samples come in the order in which they are asked for.
+        // Samples are requested in storage order.
         let field = Field::new(heights.frame, |_, _| values.next().map_or(0.0, |v| f64::from(*v)))?;
         Some(Self {
             heights: field,
@@ -55,26 +55,26 @@ impl Terrain {
         (self.wheelbase, self.track)
     }
 
-    /// The heights of the ground at places, m.
+    /// The terrain heights at positions, m.
     #[must_use]
     pub fn heights(&self, x: &Lanes, y: &Lanes) -> Lanes {
         self.heights.at(x, y)
     }
 
-    /// The kind of ground at a place, if there is a map of it.
+    /// The terrain class at a position, if there is a class map.
     #[must_use]
     pub fn class(&self, x: f32, y: f32) -> Option<usize> {
         self.classes.as_ref().map(|classes| usize::from(classes.nearest(f64::from(x), f64::from(y))))
     }
 
-    /// The plane that fits the ground under the four outer wheels best: its height under the reference point (m), its roll and its
-    /// pitch (rad, by small angles' sines; right side and nose down positive).
+    /// The least-squares plane of the terrain under the four outer wheels: its height under the reference point (m),
+    /// roll and pitch (rad; positive with the right side and the nose down).
     #[must_use]
     pub fn plane(&self, place: [&Lanes; 2], direction: [&Lanes; 2]) -> [Lanes; 3] {
         self.plane_of(|forward, left| self.at(place, direction, forward, left))
     }
 
-    /// The same of heights at points of the body plane.
+    /// The plane of heights at points of the body plane.
     fn plane_of(&self, heights: impl Fn(f32, f32) -> Lanes) -> [Lanes; 3] {
         let (a, b) = (0.5 * self.wheelbase, 0.5 * self.track);
         let [fl, fr, rl, rr] = [(a, b), (a, -b), (-a, b), (-a, -b)].map(|(u, v)| heights(u, v));
@@ -83,7 +83,7 @@ impl Terrain {
         for l in 0..LANES {
             let (front, rear) = (fl[l] + fr[l], rl[l] + rr[l]);
             let (rise, bank) = ((front - rear) * per_base, (fl[l] + rl[l] - fr[l] - rr[l]) * per_track);
-            // A slope to the angle: atan to the third order, which is off by 0.3 degrees at 30.
+            // Slope to angle: atan to the fifth order, with an error of 0.3 degrees at 30.
             plane[0][l] = 0.25 * (front + rear);
             plane[1][l] = bank * (1.0 - bank * bank * (1.0 / 3.0 - 0.2 * bank * bank));
             plane[2][l] = -rise * (1.0 - rise * rise * (1.0 / 3.0 - 0.2 * rise * rise));
@@ -91,13 +91,13 @@ impl Terrain {
         plane
     }
 
-    /// The patch about the vehicle: heights over the plane under its wheels in units of a tenth of a wheelbase, rear to front and
-    /// right to left, then the fraction of the wheels on each kind of ground.
+    /// The patch around the vehicle: heights above the plane under its wheels in units of a tenth of a wheelbase, rear
+    /// to front and right to left, then the fraction of the wheels on each terrain class.
     pub fn patch(&self, place: [&Lanes; 2], direction: [&Lanes; 2], patch: &mut [Lanes; PATCH]) {
         self.patch_of(|forward, left| self.at(place, direction, forward, left), place, direction, patch);
     }
 
-    /// The same of heights at points of the body plane.
+    /// The patch of heights at points of the body plane.
     fn patch_of(
         &self,
         heights: impl Fn(f32, f32) -> Lanes,
@@ -113,7 +113,7 @@ impl Terrain {
                 let left = self.track * HALF_WIDTH * (2.0 * j as f32 / (ACROSS - 1) as f32 - 1.0);
                 let heights = heights(forward, left);
                 patch[i * ACROSS + j] = std::array::from_fn(|l| {
-                    // The plane, by the tangents that its small angles nearly are.
+                    // The plane, with small angles in place of tangents.
                     let plane = z[l] + left * roll[l] - forward * pitch[l];
                     ((heights[l] - plane) * unit).clamp(-4.0, 4.0)
                 });
@@ -133,26 +133,26 @@ impl Terrain {
         }
     }
 
-    /// The patches at all nodes of the map of heights, for one heading. Every node has its neighbours at the same distances, so
-    /// that rows of heights are taken as they lie.
+    /// The patches at all nodes of the elevation map, for one heading. All nodes have the same offsets to their
+    /// neighbours, so that rows of heights are read without interpolation of positions.
     pub(crate) fn patches<'a>(&'a self, nodes: &'a Nodes, [cos, sin]: [f32; 2]) -> Patches<'a> {
         Patches { terrain: self, nodes, cos, sin }
     }
 }
 
-/// The heights at the nodes of a map, row by row, with those of its edge repeated as far around it as patches reach.
+/// The heights at the nodes of a map, row by row, with those of its edge repeated around it as far as patches extend.
 pub(crate) struct Nodes {
     frame: GridFrame,
     heights: Vec<f32>,
-    /// Nodes around the map.
+    /// Padding nodes around the map.
     around: usize,
-    /// Nodes of a row with those around it.
+    /// Nodes per row with padding.
     width: usize,
     per_metre: f32,
 }
 
 impl Nodes {
-    /// The nodes of the map, for patches of this terrain.
+    /// Pads the map for patches of this terrain.
     pub(crate) fn new(map: &HeightMap, terrain: &Terrain) -> Self {
         let frame = map.frame;
         let per_metre = (1.0 / frame.resolution) as f32;
@@ -168,7 +168,7 @@ impl Nodes {
     }
 }
 
-/// The patches of one heading.
+/// Computes the patches of one heading.
 pub(crate) struct Patches<'a> {
     terrain: &'a Terrain,
     nodes: &'a Nodes,
@@ -177,7 +177,7 @@ pub(crate) struct Patches<'a> {
 }
 
 impl Patches<'_> {
-    /// The patches at [`LANES`] nodes of a row, from a column on; beyond the last column they are of no use.
+    /// The patches at [`LANES`] nodes of a row, from a column on; those beyond the last column are unused.
     pub(crate) fn at(&self, row: usize, first: usize, patch: &mut [Lanes; PATCH]) {
         let nodes = self.nodes;
         let heights = |forward: f32, left: f32| -> Lanes {

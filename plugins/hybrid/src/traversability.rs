@@ -1,4 +1,4 @@
-//! Where the vehicle can go: what the networks make of every place and heading, and the cost of the way from there to the goal.
+//! The traversability map, from network predictions at every position and heading, and the cost-to-go over it.
 
 use vb_sdk::mppi::{Field, LANES, Lanes};
 use vb_sdk::search::Search;
@@ -7,7 +7,7 @@ use vb_sdk::{GridFrame, Point2};
 use crate::kinodynamics::Kinodynamics;
 use crate::table::{HEADINGS, heading};
 
-/// Moves on the grid, one a heading: (columns, rows).
+/// Moves on the grid, one per heading: (columns, rows).
 const MOVES: [(i32, i32); HEADINGS] = [
     (1, 0),
     (2, 1),
@@ -26,26 +26,26 @@ const MOVES: [(i32, i32); HEADINGS] = [
     (1, -1),
     (2, -1),
 ];
-/// What a turn by one heading costs beside its way, in nodes.
+/// Cost of a turn by one heading in addition to the path, in nodes.
 const TURN: f32 = 0.5;
 
-/// What makes a way longer than it is.
+/// Path costs per metre in addition to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prices {
-    /// Of a probability of one to get stuck, in lengths of the way.
+    /// At a probability of 1 of getting stuck.
     pub stuck: f32,
-    /// Of a probability of one to tip over.
+    /// At a probability of 1 of tipping over.
     pub over: f32,
-    /// Of losing as much speed within a second as the target is.
+    /// Where the target speed is lost within a second.
     pub slow: f32,
-    /// Of touching an obstacle.
+    /// In contact with an obstacle.
     pub obstacle: f32,
 }
 
-/// The cost of the way to the goal from every place and heading, in m of good ground.
+/// The cost-to-go from every position and heading, in m of easy terrain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// By heading, row and column.
+    /// Indexed by heading, row and column.
     values: Vec<f32>,
     rows: usize,
     cols: usize,
@@ -53,7 +53,7 @@ pub struct Values {
     origin: [f32; 2],
 }
 
-/// What a way over each place costs, by heading, row and column; 1 on good ground.
+/// Path cost per metre at each position, by heading, row and column; 1 on easy terrain.
 #[must_use]
 pub fn costs(
     frame: GridFrame,
@@ -89,8 +89,8 @@ pub fn costs(
 }
 
 impl Values {
-    /// The costs of the ways to a goal (Dijkstra 1959, from the goal backwards) over these costs of places. The vehicle goes
-    /// straight on by a move, or on by one and by another in the next heading, which is an arc that a car can drive.
+    /// Computes the cost-to-go (Dijkstra 1959, backwards from the goal) over these costs. The vehicle moves straight
+    /// ahead, or ahead and then in the adjacent heading, which approximates an arc within the steering limit.
     #[must_use]
     pub fn new(frame: GridFrame, costs: &[f32], goal: Point2) -> Self {
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
@@ -100,7 +100,7 @@ impl Values {
         let at = nearest(r, rows) * cols + nearest(c, cols);
         let mut search = Search::new(HEADINGS * area);
         (0..HEADINGS).for_each(|h| search.start(h * area + at, 0.0));
-        // The place before a move in a heading, and the cost of the move.
+        // The cell before a move in a heading, and the cost of the move.
         let before = |cell: usize, h: usize| {
             let (dc, dr) = MOVES[h];
             let (row, col) = ((cell / cols) as i32 - dr, (cell % cols) as i32 - dc);
@@ -126,13 +126,14 @@ impl Values {
         let mut values = search.into_costs();
         let resolution = frame.resolution as f32;
         let worst = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f32::max);
-        // From where there is no way, it is worse than from anywhere else.
+        // Cells without a path get a cost above the maximum.
         values.iter_mut().for_each(|v| *v = resolution * if v.is_finite() { *v } else { 1.1 * worst });
         let origin = [frame.origin_x as f32, frame.origin_y as f32];
         Self { values, rows, cols, per_metre: 1.0 / resolution, origin }
     }
 
-    /// The costs at these places (m) and headings, interpolated between the nodes and the two headings about each.
+    /// The cost-to-go at these positions (m) and headings, interpolated between the nodes and the two adjacent
+    /// headings.
     #[must_use]
     pub fn at(&self, [x, y]: [&Lanes; 2], [cos, sin]: [&Lanes; 2]) -> Lanes {
         std::array::from_fn(|l| {
@@ -156,7 +157,7 @@ impl Values {
     }
 }
 
-/// A direction as a number of headings from 0 to [`HEADINGS`].
+/// A direction as a fractional heading index from 0 to [`HEADINGS`].
 fn around(cos: f32, sin: f32) -> f32 {
     crate::table::around(cos, sin).clamp(0.0, HEADINGS as f32 - 1e-3)
 }
@@ -183,13 +184,13 @@ mod tests {
         // Along the diagonal of the grid.
         let half = 0.5_f32.sqrt();
         assert!((at(0.0, -10.0, half, half) - 200_f32.sqrt()).abs() < 1e-2);
-        // Who looks away must turn round first.
+        // Facing away from the goal requires a turn first.
         assert!(at(-10.0, 0.0, -1.0, 0.0) > 28.0);
     }
 
     #[test]
     fn a_way_leads_around_what_is_dear() {
-        // A wall from the south edge to y = 5 that is ten times as dear.
+        // A wall from the south edge to y = 5 with ten times the cost.
         let mut costs = vec![1.0; HEADINGS * 41 * 41];
         for (k, cost) in costs.iter_mut().enumerate() {
             let (row, col) = (k / 41 % 41, k % 41);
@@ -199,7 +200,7 @@ mod tests {
         }
         let values = Values::new(FRAME, &costs, Point2 { x: 12.0, y: 0.0 });
         let at = |x: f32, y: f32| values.at([&lanes(x), &lanes(y)], [&lanes(1.0), &lanes(0.0)])[0];
-        // 22 m straight, of which 3 m cost ten times as much: 49; around the wall's end it is nearer.
+        // 22 m straight, of which 3 m have ten times the cost: 49; the path around the wall is cheaper.
         let way = at(-10.0, 0.0);
         assert!(way > 24.0 && way < 32.0, "{way}");
     }

@@ -1,4 +1,4 @@
-//! Getting free: manoeuvres that back out and come again, of which the one is driven that ends best in the twin.
+//! Recovery: simulates manoeuvres that reverse and retry in the internal forward model, and drives the best.
 
 use std::collections::VecDeque;
 
@@ -8,43 +8,44 @@ use vb_sdk::{Gear, Observation, PlannerError, Task, math};
 use crate::foresight::{DT, Price, lanes};
 use crate::twin::{State, Twin};
 
-/// The time of a manoeuvre, in steps of courses.
+/// Duration of a manoeuvre, in rollout steps.
 const STEPS: usize = 75;
 /// The speed in reverse, m/s at full scale.
 const BACK_SPEED: f64 = -2.5;
-/// For how long it backs, s at full scale; 0 for not at all.
+/// Durations of reversing, s at full scale; manoeuvres without reversing have 0.
 const BACK: [f64; 3] = [1.7, 2.6, 3.8];
-/// Steering in reverse, and steering and speed (m/s at full scale) as it comes again.
+/// Steering in reverse, and steering and speed (m/s at full scale) of the retry.
 const BACK_STEERING: [f64; 4] = [-0.8, -0.3, 0.3, 0.8];
 const AGAIN: ([f64; 3], [f64; 2]) = ([-0.45, 0.0, 0.45], [4.0, 6.5]);
-/// The same where it doesn't back out.
+/// Steering and speed of manoeuvres without reversing.
 const ON: ([f64; 5], [f64; 3]) = ([-0.7, -0.35, 0.0, 0.35, 0.7], [3.0, 5.0, 8.0]);
-/// For how long courses are drawn about a manoeuvre once it goes forward, s at full scale.
+/// Time for which rollouts are sampled around a manoeuvre after reversing, s at full scale.
 const HEEDED: f64 = 2.5;
-/// A vehicle that has come this far gets on, m at full scale; one that hasn't in so many seconds is stuck.
+/// Minimum displacement that counts as progress (m at full scale), and the time without progress after which the
+/// vehicle is stuck (s).
 const PROGRESS: f64 = 0.5;
 const PATIENCE: f64 = 1.5;
-/// How far away it is at another place, m at full scale.
+/// Minimum distance from a failed recovery at which the vehicle is elsewhere, m at full scale.
 const HERE: f64 = 2.0;
-/// The rules end a trial in which the vehicle is where it was so long before (s), within 1 m and some more for errors (m), at full scale.
+/// Window of the stuck rule, s, and its displacement of 1 m with a margin for errors, m, at full scale.
 const WINDOW: f64 = 10.0;
 const APART: f64 = 1.2;
-/// What it costs to be there for a step of a course.
+/// Cost of a rollout step that would trigger the stuck rule.
 const MET: f32 = 1.0;
 
-/// A manoeuvre. Times and speeds are those at full scale.
+/// A manoeuvre. Times and speeds are at full scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Manoeuvre {
-    /// How long it goes back, s.
+    /// Duration of reversing, s.
     back: f64,
     back_steering: f64,
     steering: f64,
-    /// m/s.
+    /// Speed after reversing, m/s.
     speed: f64,
 }
 
 impl Manoeuvre {
-    /// All that are tried.
+    /// All candidates.
     fn all(has_reverse: bool) -> Vec<Self> {
         let on = ON.0.iter().flat_map(|steering| {
             ON.1.iter().map(|speed| Self {
@@ -71,31 +72,31 @@ impl Manoeuvre {
         self.back > 0.0
     }
 
-    /// Steering and speed at a time after it began.
+    /// Steering and speed at a time after its start.
     fn at(&self, time: f64) -> [f64; 2] {
         if time < self.back { [self.back_steering, BACK_SPEED] } else { [self.steering, self.speed] }
     }
 }
 
-/// What a manoeuvre wants.
+/// The command of a manoeuvre.
 pub(crate) struct Wanted {
     /// Steering and speed, m/s.
     pub(crate) command: [f64; 2],
-    /// Whether it is on its way back, from which nothing keeps it.
+    /// Whether the manoeuvre is reversing, which is never interrupted.
     pub(crate) is_backing: bool,
 }
 
-/// Notices a stuck vehicle and searches for a way out.
+/// Detects a stuck vehicle and searches for a recovery manoeuvre.
 pub(crate) struct Escape {
     manoeuvres: Vec<Manoeuvre>,
-    /// What is driven now, and when it began, s.
+    /// The current manoeuvre and its start time, s.
     driven: Option<(Manoeuvre, f64)>,
-    /// Where the vehicle was in the rules' window, one place a control period.
+    /// Positions in the window of the stuck rule, one per control period.
     history: VecDeque<[f64; 2]>,
-    /// Where it was last seen to get on, and for how long it has not since, s.
+    /// Position of the last progress, and the time since then, s.
     anchor: [f64; 2],
     waited: f64,
-    /// Where it was last stuck, and whether it backed out then.
+    /// Position of the last recovery, and whether it reversed.
     failed: Option<([f64; 2], bool)>,
     scale: f64,
     root: f64,
@@ -118,7 +119,7 @@ impl Escape {
         }
     }
 
-    /// What the manoeuvre wants that is driven, if any is, and whether the vehicle has just been found stuck.
+    /// The command of the current manoeuvre, if there is one, and whether the vehicle has just been detected as stuck.
     pub(crate) fn update(
         &mut self,
         o: &Observation,
@@ -135,7 +136,7 @@ impl Escape {
         if math::hypot(p.x - self.anchor[0], p.y - self.anchor[1]) > PROGRESS * self.scale {
             (self.anchor, self.waited) = (place, 0.0);
         }
-        // While the gear changes, it can't get on.
+        // A gear change prevents progress.
         self.waited += if o.gear == Gear::Forward { self.period } else { 0.0 };
         let time = |since: f64| (o.time - since) / self.root;
         self.driven = self.driven.filter(|(m, since)| time(*since) < m.back + HEEDED);
@@ -144,7 +145,7 @@ impl Escape {
         };
         let stuck = self.waited > PATIENCE * self.root && !is_backing(&self.driven);
         if stuck {
-            // What has just failed here is not tried again at once, whatever the twin says of it.
+            // A manoeuvre type that just failed here is not repeated, whatever the model predicts.
             let near = |at: &[f64; 2]| math::hypot(p.x - at[0], p.y - at[1]) < HERE * self.scale;
             let failed = self.failed.filter(|(at, _)| near(at)).map(|(_, backed)| backed);
             let found = self.search(twin, price, start, failed);
@@ -159,7 +160,8 @@ impl Escape {
         Ok((wanted, stuck))
     }
 
-    /// The manoeuvre that costs least, of those that back out, of those that don't, or of all.
+    /// The manoeuvre of minimum cost: without reversing after a failed reversal, with reversing after the opposite, or
+    /// of all.
     fn search(&self, twin: &Twin, price: &Price<'_>, start: &State, failed: Option<bool>) -> Manoeuvre {
         let price = price.over(STEPS);
         let others: Vec<Manoeuvre> =
@@ -194,7 +196,7 @@ impl Escape {
         best.1
     }
 
-    /// Where the vehicle was a window before what comes in so many seconds, if that is known.
+    /// The vehicle's position one rule window before a time so many seconds ahead, if known.
     fn before(&self, time: f64) -> Option<[f64; 2]> {
         let ago = ((WINDOW * self.root - time) / self.period) as usize;
         self.history.len().checked_sub(ago + 1).and_then(|i| self.history.get(i)).copied()

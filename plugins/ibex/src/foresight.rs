@@ -1,4 +1,4 @@
-//! Courses that are simulated before one is driven.
+//! Rollouts of the internal forward model.
 
 use hybrid::{Hybrid, Objective, beyond};
 use vb_sdk::mppi::{Cost, LANES, Lanes, Mppi, Settings};
@@ -8,19 +8,20 @@ use vb_sdk::{Command, HeightMap, LabelMap, Observation, PlannerError, Task, Vehi
 use crate::escape::Escape;
 use crate::twin::{State, Twin};
 
-/// The time of a step of a course, s at full scale, and the steps of a course.
+/// Step length of rollouts, s at full scale, and steps per rollout.
 pub(crate) const DT: f64 = 0.1;
 const HORIZON: usize = 30;
-/// Steps from one drawn command to the next.
+/// Spacing of sampled commands, steps.
 const SPACING: usize = 10;
-/// The part of the courses that is drawn about what the hybrid planner would do.
+/// Fraction of the rollouts sampled around the plan of the hybrid planner.
 const GUIDED: f64 = 0.4;
-/// The cosine of the angle between the vehicle's up and the vertical below which it is tipping over, and at which it has.
+/// Cosine of the angle between the vehicle's up axis and the vertical at which tipping begins, and at which it is
+/// complete.
 const TIPPING: [f32; 2] = [0.8, 0.6];
 
-/// What courses are drawn about.
+/// A plan around which rollouts are sampled.
 pub(crate) trait Proposal {
-    /// Steering and speed (m/s) in so many seconds.
+    /// Steering and speed (m/s) after so many seconds.
     fn planned(&self, time: f64) -> [f64; 2];
 }
 
@@ -30,35 +31,35 @@ impl Proposal for Hybrid {
     }
 }
 
-/// The planner over the twin.
+/// MPPI with the internal forward model.
 pub(crate) struct Foresight {
     twin: Twin,
     mppi: Mppi<2>,
     weights: Weights,
     keeper: SpeedKeeper,
     escape: Option<Escape>,
-    /// The root of the scale, which times have.
+    /// Root of the scale, the factor of times.
     root: f64,
     period: f64,
 }
 
-/// Weights of what only the twin tells.
+/// Weights of quantities that only the internal model provides.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
     hull: f32,
     over: f32,
 }
 
-/// What a course costs: as the hybrid planner has it, but for what the twin tells.
+/// Cost of a rollout: that of the hybrid planner, with hazards from the internal model.
 pub(crate) struct Price<'a> {
     pub(crate) objective: &'a Objective,
     weights: Weights,
-    /// Steps of a course.
+    /// Steps per rollout.
     steps: f32,
 }
 
 impl Price<'_> {
-    /// The same for courses of other lengths.
+    /// The cost for rollouts of another length.
     pub(crate) fn over(&self, steps: usize) -> Self {
         Self { steps: steps as f32, ..*self }
     }
@@ -93,7 +94,7 @@ impl Cost<State, 2> for Price<'_> {
 }
 
 impl Foresight {
-    /// The planner of a task, if its parameters want one.
+    /// The planner of a task; none with `foresight` 0 or a map of fewer than 2 x 2 samples.
     pub(crate) fn new(
         task: &Task,
         heights: &HeightMap,
@@ -104,7 +105,7 @@ impl Foresight {
         let weights = Weights { hull: weight("hull")?, over: weight("over")? };
         let margin = f64::from(weight("clearance")?);
         let frame = heights.frame;
-        // Of a map that is no surface, the hybrid planner tells.
+        // The hybrid planner reports maps of fewer than 2 x 2 samples.
         if samples == 0 || frame.rows.min(frame.cols) < 2 {
             return Ok(None);
         }
@@ -133,12 +134,12 @@ impl Foresight {
         }))
     }
 
-    /// From now on the ground is that of these maps.
+    /// Replaces the maps.
     pub(crate) fn see(&mut self, heights: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) {
         self.twin.see(heights, kinds, vehicle);
     }
 
-    /// The command at an observation, and whether the vehicle has just been found stuck.
+    /// The command for an observation, and whether the vehicle has just been detected as stuck.
     pub(crate) fn step(
         &mut self,
         o: &Observation,
@@ -172,7 +173,7 @@ impl Foresight {
         let speed = o.pose()?.linear_velocity.x;
         let (mut throttle, mut brake, gear) = self.keeper.update(speed, self.period);
         if gear != o.gear {
-            // The gearbox waits until the vehicle is slow.
+            // The gearbox changes direction only at low speed.
             throttle = 0.0;
             brake = if self.twin.is_slow(speed) { 0.0 } else { 1.0 };
         }
@@ -181,7 +182,7 @@ impl Foresight {
     }
 }
 
-/// One number for every course.
+/// Evaluates a function for each rollout of a block.
 pub(crate) fn lanes(of: impl Fn(usize) -> f64) -> Lanes {
     std::array::from_fn::<f32, LANES, _>(|l| of(l) as f32)
 }

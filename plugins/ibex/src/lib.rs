@@ -1,17 +1,16 @@
-//! Ibex, a planner of our own: it searches the whole map with what it has learned of the ground and with the shape of the vehicle,
-//! simulates before it drives, and where it is stuck it searches for a way out by simulation, too.
+//! Ibex, a planner of this benchmark, not of the paper: searches the whole map with learned models and the shape of the vehicle,
+//! samples rollouts of an internal forward model, and searches for recovery manoeuvres by simulation.
 //!
-//! It has the map of traversability of TNT ([`hybrid::Hybrid`]), and four things more, each of which has a parameter that turns it off:
-//! - The map has the price of what the networks can't see well: a hull that bears the vehicle (`stance`).
-//! - It has a simulation of the vehicle of its own (`twin`), through which it draws and weighs courses (`foresight`).
-//! - A vehicle that doesn't get on backs out and comes again by the manoeuvre that ends best in the simulation (`escape`), or, without
-//!   one, as [`vb_sdk::recovery`] does.
-//! - Where it was stuck is dearer from then on, and the way to the goal is searched again.
+//! It extends the traversability map of TNT ([`hybrid::Hybrid`]). Each extension has a parameter that disables it:
+//! - The map includes the cost of hull contact, which the coarse patches of the networks do not resolve (`stance`).
+//! - An internal forward model of the vehicle (`twin`) simulates and evaluates rollouts (`foresight`).
+//! - A stuck vehicle reverses and retries with the manoeuvre of minimum simulated cost (`escape`), or, without the
+//!   internal model, as in [`vb_sdk::recovery`].
+//! - Places where the vehicle got stuck become more expensive, and the cost-to-go is recomputed.
 //!
-//! Where a task comes without maps of the world, there is nothing to search: the twin drives along the global path on what the vehicle
-//! sees of the ground (`scout`).
+//! Without maps of the world, it drives the internal model along the global path on the local map (`scout`).
 //!
-//! `docs/planners.md` tells what each of them is worth.
+//! `docs/planners.md` documents their effects.
 
 mod escape;
 mod foresight;
@@ -30,38 +29,38 @@ use stance::Stances;
 hybrid::export_sampling! {
     planner: Ibex,
     name: "ibex",
-    about: "Searches the whole map, simulates courses before it drives one, and searches for a way out where it is stuck",
+    about: "MPPI with simulated rollouts over a searched map, and a search for recovery manoeuvres",
     attention: false,
     samples: 256,
     params: {
-        lookahead: 12.0 => "length of way that the cost of the way is measured in, m at full scale",
-        steer_spread: 0.5 => "standard deviation of drawn steering, of full steering",
-        effective: 0.03 => "share of the courses that the temperature gives a say",
-        goal: 2.0 => "weight of the cost of the way to the goal",
-        tilt: 6.0 => "weight of roll and pitch",
+        lookahead: 12.0 => "normalisation length of the path cost, m at full scale",
+        steer_spread: 0.5 => "standard deviation of sampled steering, fraction of full lock",
+        effective: 0.03 => "effective sample fraction that the temperature targets",
+        goal: 2.0 => "weight of the path cost to the goal",
+        tilt: 6.0 => "weight of roll and pitch above `roll` and `pitch`",
         stuck: 8.0 => "weight of the probability of getting stuck",
         over: 30.0 => "weight of the probability of tipping over",
-        risk: 0.0 => "level in [0, 0.99] of the conditional value at risk at which these two are priced; 0 prices what is to be expected",
-        guided: 0.3 => "part of the courses that is drawn about a descent on the map of traversability, up to 0.9",
-        price_stuck: 25.0 => "length of way, over its own, that a probability of one to get stuck is worth avoiding",
-        price_over: 200.0 => "the same of a probability to tip over",
-        price_slow: 1.0 => "the same of losing all speed within a second",
-        price_obstacle: 30.0 => "the same of touching an obstacle",
-        price_hull: 10.0 => "the same of a hull that bears the whole vehicle",
-        price_tilt: 5.0 => "the same of a hull that tilts the vehicle by a tenth",
-        price_again: 20.0 => "the same of a place where the vehicle was stuck before",
-        foresight: 128 => "courses that are simulated every control period; 0 to drive by what is learned alone",
-        clearance: 0.05 => "by how much lower than it is the hull is simulated, m at full scale",
-        hull: 4.0 => "weight of a hull that bears the whole vehicle, where courses are simulated",
-        recover: 1 => "whether it backs out where it is stuck; 0 for a planner that only drives forward",
+        risk: 0.0 => "CVaR level of the hazard costs `stuck` and `over`, 0 to 0.99; 0: expected cost",
+        guided: 0.3 => "fraction of rollouts sampled around a cost-to-go descent, up to 0.9",
+        price_stuck: 25.0 => "added path cost per metre at a probability of 1 of getting stuck",
+        price_over: 200.0 => "added path cost per metre at a probability of 1 of tipping over",
+        price_slow: 1.0 => "added path cost per metre where the target speed is lost within 1 s",
+        price_obstacle: 30.0 => "added path cost per metre in contact with an obstacle",
+        price_hull: 10.0 => "added path cost per metre with the whole weight on the hull",
+        price_tilt: 5.0 => "added path cost per metre for each 0.1 of tilt caused by hull contact, capped at 0.2",
+        price_again: 20.0 => "added path cost per metre at a place where the vehicle got stuck before",
+        foresight: 128 => "simulated rollouts per control period; 0: learned model only",
+        clearance: 0.05 => "hull clearance margin in simulation, m at full scale",
+        hull: 4.0 => "weight of the load on the hull in simulated rollouts",
+        recover: 1 => "1: reverses and retries when stuck; 0: drives forward only",
     },
     without_maps: { local_map },
 }
 
 enum Ibex {
-    /// Where the task has maps of the world.
+    /// For tasks with maps of the world.
     Searching(Box<Searching>),
-    /// Where it hasn't.
+    /// For tasks without them.
     Seeing(Box<Scout>),
 }
 
@@ -69,29 +68,29 @@ enum Ibex {
 struct Searching {
     hybrid: Hybrid,
     foresight: Option<Foresight>,
-    /// Without foresight.
+    /// Used without `foresight`.
     recovery: Option<Recovery>,
     vehicle: Vehicle,
-    /// The price of a place where the vehicle was stuck.
+    /// Cost of a place where the vehicle got stuck.
     again: f32,
     hurry: f64,
 }
 
-/// The tilt that has its price once, and how often it has it at most.
+/// Tilt with the cost `price_tilt`, and the maximum multiple of that cost.
 const TENTH: f32 = 0.1;
 const MOST: f32 = 2.0;
-/// How far around a place where the vehicle was stuck the ground is dearer, in wheelbases. Its front wheels are the place.
+/// Radius of increased cost around the front axle of a stuck vehicle, in wheelbases.
 const REACH: f64 = 0.8;
-/// The share of the target speed by which it aims higher after each attempt to get free, and the most that it comes to.
+/// Increase of the target speed per recovery attempt, as a fraction, and its maximum factor.
 const BOOST: f64 = 0.4;
 const BOOST_MOST: f64 = 2.0;
 
-/// How much a vehicle hurries that has been stuck once more, as a multiple of the target speed.
+/// The factor of the target speed after another recovery.
 fn hurried(hurry: f64) -> f64 {
     (hurry + BOOST).min(BOOST_MOST)
 }
 
-/// The parameter of this name, which is 0 or above.
+/// A parameter that must not be negative.
 fn weight(task: &Task, key: &str) -> Result<f32, PlannerError> {
     match task.param_f64(key)? {
         value if value >= 0.0 => Ok(value as f32),
@@ -122,7 +121,7 @@ impl Searching {
         let price = |key: &str| weight(task, &format!("price_{key}"));
         let (hull, tilt, again) = (price("hull")?, price("tilt")?, price("again")?);
         let heights = task.elevation()?;
-        // Of a map that is no surface, the planner below tells.
+        // The planner below reports maps of fewer than 2 x 2 samples.
         let surface = heights.frame.rows.min(heights.frame.cols) > 1;
         let stances = (surface && hull + tilt > 0.0).then(|| Stances::new(heights, &vehicle));
         let dearer = stances.map(|stances| {
@@ -157,7 +156,7 @@ impl Searching {
         Ok(command)
     }
 
-    /// Hurries more, and plans a way round where it is.
+    /// Increases the target speed, and re-plans with a higher cost at the current position.
     fn was_stuck(&mut self, o: &Observation) -> Result<(), PlannerError> {
         self.hurry = hurried(self.hurry);
         self.hybrid.hurry(self.hurry);

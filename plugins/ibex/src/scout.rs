@@ -1,7 +1,7 @@
-//! Driving by what the vehicle sees, where nobody has given it maps of the world.
+//! Planning on the local map, for tasks without maps of the world.
 //!
-//! Without maps there is nothing to search and nothing that the networks were trained on. What is left is the twin, on the ground that
-//! lidar and camera have shown, around the obstacles that they have shown, along the global path.
+//! Without maps, neither the search nor the networks apply. The internal forward model drives along the global path on
+//! the terrain and around the obstacles of the local map.
 
 use hybrid::{Objective, Weights};
 use vb_sdk::mppi::Field;
@@ -12,7 +12,7 @@ use vb_sdk::{
 
 use crate::foresight::{Foresight, Proposal};
 
-/// How far below the reference point the ground is taken to lie, in wheel radii, where nothing of it was seen.
+/// Assumed height of unknown terrain below the reference point, in wheel radii.
 const HEIGHT: f64 = 1.2;
 
 /// The planner without maps.
@@ -21,17 +21,17 @@ pub(crate) struct Scout {
     follower: Follower,
     lookahead: f64,
     objective: Objective,
-    /// The target speed before any hurry, m/s.
+    /// The target speed without increase, m/s.
     target: f32,
     hurry: f64,
     vehicle: Vehicle,
     /// The corners of the world.
     edges: [(f64, f64); 2],
-    /// Whether it has been shown its surroundings yet.
+    /// Whether a local map has been received.
     sees: bool,
 }
 
-/// A course along a circle, at a speed.
+/// A circular arc at constant speed.
 struct Pursuit {
     steering: f64,
     speed: f64,
@@ -51,9 +51,7 @@ impl Scout {
         let weight = |key| crate::weight(task, key);
         let level = level(task.half_extent.x.min(task.half_extent.y));
         let foresight = Foresight::new(task, &level, None)?.ok_or_else(|| {
-            PlannerError::new(
-                "parameter `foresight`: 0 leaves nothing to drive by where the task has no map of obstacles",
-            )
+            PlannerError::new("parameter `foresight`: 0 is not possible for a task without an occupancy map")
         })?;
         let (lookahead, target) = (positive("lookahead")? * scale, positive("speed")? * scale.sqrt());
         let (margin, radius) = (positive("margin")? * scale, 0.5 * vehicle.width);
@@ -102,7 +100,7 @@ impl Scout {
             self.see(seen, pose);
         }
         if !self.sees {
-            // It waits for its first look.
+            // It waits for the first local map.
             return Ok(Command::default());
         }
         self.follower.update(pose.position.x, pose.position.y);
@@ -111,7 +109,7 @@ impl Scout {
         let (dx, dy) = (goal.x - pose.position.x, goal.y - pose.position.y);
         let (sin, cos) = math::sin_cos(pose.yaw);
         let (ahead, aside) = (cos * dx + sin * dy, cos * dy - sin * dx);
-        // The circle through the vehicle and the point that touches its heading (Coulter, 1992).
+        // The circle through the vehicle and the point, tangent to its heading (Coulter, 1992).
         let curvature = 2.0 * aside / (ahead * ahead + aside * aside).max(1e-6);
         let steering = (curvature * self.vehicle.min_turn_radius).clamp(-1.0, 1.0);
         let pursuit = Pursuit { steering, speed: f64::from(self.objective.target) };
@@ -123,7 +121,7 @@ impl Scout {
         Ok(command)
     }
 
-    /// Takes the ground and the obstacles from what it sees.
+    /// Takes terrain and obstacles from the local map.
     fn see(&mut self, seen: &LocalMap, pose: &Pose) {
         let frame = seen.elevation.frame;
         if frame.rows.min(frame.cols) < 2 || seen.elevation.data.len() != (frame.rows * frame.cols) as usize {
@@ -141,13 +139,13 @@ impl Scout {
     }
 }
 
-/// Level ground about the origin, as far as this, of few samples.
+/// A flat square around the origin with this half side, of 2 x 2 samples.
 fn level(half: f64) -> HeightMap {
     let frame = GridFrame { rows: 2, cols: 2, resolution: 2.0 * half, origin_x: -half, origin_y: -half };
     Map { frame, data: vec![0.0; 4] }
 }
 
-/// Heights of which those that weren't seen are those of the nearest seen ones, and `otherwise` where nothing was seen.
+/// Fills unknown heights with the nearest known height, or with `otherwise` if all are unknown.
 fn filled(map: &HeightMap, otherwise: f32) -> HeightMap {
     let (rows, cols) = (map.frame.rows as usize, map.frame.cols as usize);
     let mut data = map.data.clone();
@@ -177,7 +175,7 @@ fn filled(map: &HeightMap, otherwise: f32) -> HeightMap {
     Map { frame: map.frame, data }
 }
 
-/// Whether a task lacks a map that would be searched.
+/// Whether a task lacks a map that the search needs.
 pub(crate) fn is_needed(task: &Task) -> bool {
     task.elevation.is_none() || task.occupancy.is_none()
 }

@@ -1,21 +1,21 @@
-//! How a vehicle stands on the ground, and whether its hull bears a part of it.
+//! The static pose of a vehicle on the terrain, and the load on its hull.
 //!
-//! A wheel under which the ground falls away leaves its load to the hull as soon as that touches, and then nothing drives the vehicle
-//! on. The networks see the ground as a coarse patch; here the hull is held against the very surface.
+//! Where the terrain drops away under a wheel, its load moves to the hull on contact, and the wheel loses traction. The
+//! networks use a coarse patch; this module checks the hull on the full elevation map.
 
 use hybrid::{HEADINGS, heading};
 use vb_sdk::{HeightMap, Vehicle};
 
-/// What a place does to a vehicle that stands there.
+/// The static load and tilt of a vehicle at a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stance {
-    /// The fraction of the weight that the hull bears, in [0, 1].
+    /// The fraction of the weight on the hull, 0 to 1.
     pub(crate) hull: f32,
-    /// By how much the hull tilts the vehicle out of the plane through its wheels: the sum for roll and pitch, as slopes.
+    /// Tilt of the vehicle out of the plane through its wheels by hull contact: sum of roll and pitch, as slopes.
     pub(crate) tilt: f32,
 }
 
-/// A point at which the ground can bear the vehicle.
+/// A point at which the terrain can support the vehicle.
 #[derive(Clone, Copy, Debug)]
 struct Support {
     /// Ahead of the reference point, m.
@@ -26,30 +26,30 @@ struct Support {
     above: f32,
 }
 
-/// How a vehicle stands at every node of a map of heights and every heading of [`hybrid::heading`]. From each node the points at
-/// which it can touch the ground lie at the same distances, so that heights are taken as they lie.
+/// The static pose of a vehicle at every node of an elevation map, for every heading of [`hybrid::heading`]. All nodes
+/// share the same offsets of contact points, so that heights are read at fixed offsets.
 pub(crate) struct Stances {
     supports: [Support; SUPPORTS],
     /// Half the wheelbase and half the track, m.
     half: [f32; 2],
-    /// By how much the weight presses tyres and springs in, m.
+    /// Static deflection of tyres and springs, m.
     sag: f32,
-    /// Where heights are taken, by heading.
+    /// Sampled heights, by heading.
     taps: Vec<Taps>,
-    /// The heights, with those of the edge repeated as far around as the vehicle reaches, and the nodes of a row.
+    /// The heights, padded by those of the edge as far as the vehicle extends, and the padded row length.
     heights: Vec<f32>,
     width: usize,
     around: usize,
 }
 
-/// Where the heights of one heading are taken.
+/// Sampled heights of one heading.
 struct Taps {
     wheels: [[Tap; 2 * RIM.len()]; WHEELS],
     hull: [Tap; HULL],
 }
 
-/// A height between nodes: what is added to it, the south-western node of its cell, counted from the vehicle's, and the parts of
-/// that and of the others: south-east, north-west, north-east.
+/// A height between nodes: an added offset, the south-western node of its cell relative to the vehicle's node, and the
+/// interpolation weights of that node and of the south-eastern, north-western and north-eastern nodes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tap {
     above: f32,
@@ -62,27 +62,27 @@ const WHEELS: usize = 4;
 /// Points of the belly, and of the lower edges of both ends.
 const HULL: usize = 12 + 6;
 const SUPPORTS: usize = WHEELS + HULL;
-/// What suspension and tyres give under the weight, in wheelbases: the HMMWV's springs and tyres of 150 kN/m together
-/// (`tasks/vehicles/hmmwv.yaml`), rounded. That of other vehicles isn't told.
+/// Static deflection of suspension and tyres, in wheelbases: the HMMWV's springs and tyres of 150 kN/m in series
+/// (`tasks/vehicles/hmmwv.yaml`), rounded. Planners do not receive the value of other vehicles.
 const SAG: f32 = 0.017;
-/// The hull is harder than a wheel by this factor.
+/// Stiffness of the hull relative to a wheel.
 const HARD: f32 = 2.7;
-/// The belly in half wheelbases and half tracks. The hull tapers towards its ends, whose lower edges are higher by about the
-/// clearance: the HMMWV's by 0.38 and 0.44 m (`tasks/vehicles/hmmwv.yaml`).
+/// The belly in half wheelbases and half tracks. The hull tapers towards its ends, whose lower edges are higher by
+/// about the ground clearance: the HMMWV's by 0.38 and 0.44 m (`tasks/vehicles/hmmwv.yaml`).
 const BELLY: ([f32; 4], [f32; 3]) = ([0.68, 0.24, -0.2, -0.65], [0.6, 0.0, -0.6]);
 const ENDS: (f32, f32) = (0.94, 1.95);
-/// Points of a wheel's circumference, in radii ahead of its centre.
+/// Points on a wheel's circumference, in radii ahead of its centre.
 const RIM: [f32; 7] = [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75];
 /// Half the width of a tyre, in half tracks.
 const TYRE: f32 = 0.13;
-/// Newton's steps, and the part of each that is taken: supports come into and out of touch on the way.
+/// Newton iterations, and their damping factor: supports gain and lose contact during the iteration.
 const STEPS: usize = 8;
 const STEP: f32 = 0.8;
-/// What a support that doesn't touch is counted for, so that the equations have a solution however few do.
+/// Stiffness of supports without contact, which keeps the equations regular.
 const FAINT: f32 = 0.003;
 
 impl Stances {
-    /// The stances of a vehicle, as far as a planner is told of its shape.
+    /// The static poses of a vehicle with the shape data of the planner interface.
     pub(crate) fn new(map: &HeightMap, vehicle: &Vehicle) -> Self {
         let half = [0.5 * vehicle.wheelbase as f32, 0.5 * vehicle.track as f32];
         let point = |along: f32, across: f32, above: f32| Support {
@@ -125,7 +125,7 @@ impl Stances {
         all
     }
 
-    /// Where heights are taken in a direction (cosine and sine) on a grid of so many nodes a metre.
+    /// Offsets of sampled heights in a direction (cosine and sine) on a grid of so many nodes per metre.
     fn taps_of(&self, [cos, sin]: [f32; 2], grid: f32, radius: f32) -> Taps {
         let tap = |forward: f32, left: f32, above: f32| {
             let col = (cos * forward - sin * left) * grid + self.around as f32;
@@ -151,9 +151,9 @@ impl Stances {
         Taps { wheels: std::array::from_fn(wheel), hull: std::array::from_fn(hull) }
     }
 
-    /// How the vehicle stands at rest at a node, with a heading.
+    /// The static pose at a node, with a heading.
     pub(crate) fn at(&self, row: usize, col: usize, heading: usize) -> Stance {
-        // The vehicle's node without what lies around the map, which is in the taps already.
+        // The vehicle's node without padding, which the offsets include.
         let ground = &self.heights[row * self.width + col..];
         let height = |tap: &Tap| {
             let south = &ground[tap.node..tap.node + 2];
@@ -162,7 +162,7 @@ impl Stances {
             a * south[0] + b * south[1] + c * north[0] + d * north[1] + tap.above
         };
         let taps = &self.taps[heading];
-        // The lowest that a wheel comes to is where its circumference meets the ground first.
+        // A wheel rests on the first point of its circumference that touches the terrain.
         let lowest = |taps: &[Tap; 2 * RIM.len()]| taps.iter().map(height).fold(f32::NEG_INFINITY, f32::max);
         let [fl, fr, rl, rr] = taps.wheels.each_ref().map(lowest);
         let [a, b] = self.half;
@@ -171,12 +171,12 @@ impl Stances {
         let hull = taps.hull.each_ref().map(height);
         let over = |p: &[f32; 3], s: &Support, z: f32| z - (p[0] + p[1] * s.forward + p[2] * s.left);
         let (wheel_points, hull_points) = self.supports.split_at(WHEELS);
-        // Where the hull is clear of the ground by more than it can sink, the wheels bear everything. On two of them across a
-        // diagonal there is no rest, and nothing to solve.
+        // Where the clearance of the hull exceeds its maximum travel, the wheels carry everything. Two diagonal wheels
+        // have no equilibrium, and nothing is solved.
         if hull_points.iter().zip(hull).all(|(s, z)| over(&plane, s, z) < -self.sag) {
             return Stance::default();
         }
-        // Balance of weight and moments. Forces are in quarters of the weight.
+        // Equilibrium of weight and moments. Forces are in quarters of the weight.
         let mut pose = plane;
         let mut borne = 0.0;
         for _ in 0..STEPS {
@@ -249,7 +249,7 @@ mod tests {
     const EAST: usize = 0;
     const NORTH: usize = HEADINGS / 4;
 
-    /// How the HMMWV stands in the middle.
+    /// The static pose of the HMMWV in the middle.
     fn stand(map: &HeightMap, heading: usize) -> Stance {
         Stances::new(map, &hmmwv()).at(40, 40, heading)
     }
@@ -273,7 +273,7 @@ mod tests {
         assert!(along.hull > 0.5, "{along:?}");
     }
 
-    /// A vehicle that a bump below its left side lifts there rolls to the right; the mirror image does the same.
+    /// A vehicle lifted by a bump below its left side rolls to the right; the mirror image does the opposite.
     #[test]
     fn a_bump_beside_the_middle_tilts_the_vehicle() {
         let bump = |side: f64| {
@@ -284,7 +284,7 @@ mod tests {
         assert!((left.tilt - right.tilt).abs() < 0.02, "{left:?} {right:?}");
     }
 
-    /// The hull's points against what planners are told of the ground, at places up to beyond the edge.
+    /// Compares the hull's points with the planner's terrain map, at positions up to beyond the edge.
     #[test]
     fn heights_are_those_of_the_ground() {
         let map = ground(|x, y| 0.3 * x * y + (x - 0.4 * y).abs());

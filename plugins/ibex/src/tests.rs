@@ -1,4 +1,4 @@
-//! What the planner does beyond TNT, on ground that is known beforehand and on ground that it sees.
+//! Behaviour beyond TNT, on known terrain and on local maps.
 
 use super::*;
 use vb_sdk::{Gear, GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Wheel};
@@ -39,7 +39,7 @@ const PARAMS: &[(&str, &str)] = &[
     ("explain", "0"),
 ];
 
-/// A HMMWV on 80 x 80 m of gravel with these heights, that is to go east along the x axis.
+/// A HMMWV on 80 x 80 m of gravel with these heights, with the goal to the east along the x axis.
 fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
     let frame = GridFrame { rows: 161, cols: 161, resolution: 0.5, origin_x: -40.0, origin_y: -40.0 };
     let heights = (0..161 * 161).map(|k| {
@@ -88,7 +88,7 @@ fn observed(time: f64, x: f64, speed: f64, gear: Gear) -> Observation {
     Observation { time, gear, wheels, ..Observation::of(pose) }
 }
 
-/// The mean steering after some steps on the way.
+/// The mean steering after some steps along the path.
 fn steering(planner: &mut Searching) -> f64 {
     let o = observed(0.0, -15.0, 3.0, Gear::Forward);
     (0..20).map(|_| planner.step(&o).unwrap().steering).sum::<f64>() / 20.0
@@ -115,8 +115,8 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     assert_eq!(stuck[0], Gear::Forward);
     assert!(stuck.contains(&Gear::Reverse), "{stuck:?}");
     assert!(planner.hurry > 1.0);
-    // A vehicle that comes again steers to one side of the place, and straight on where that is no dearer than before. What it has
-    // learned may lead it aside by itself.
+    // On a retry the vehicle steers to one side of the place, and straight on where the cost is unchanged. The learned
+    // models may also steer aside.
     let again = |price: &str| {
         let params = [("learned", "0"), ("price_again", price)];
         let mut planner = Searching::new(&task(|_, _| 0.0, &params)).unwrap();
@@ -127,7 +127,7 @@ fn a_vehicle_that_does_not_get_on_backs_out_and_then_hurries_past_another_place(
     assert!(aside > straight + 0.02, "{aside} for {straight}");
 }
 
-/// Without foresight it is `vb_sdk::recovery` that backs out.
+/// Without foresight, `vb_sdk::recovery` reverses.
 #[test]
 fn a_vehicle_without_foresight_backs_out_too() {
     let mut planner = Searching::new(&task(|_, _| 0.0, &[("foresight", "0")])).unwrap();
@@ -137,8 +137,8 @@ fn a_vehicle_without_foresight_backs_out_too() {
     assert!(backs && planner.hurry > 1.0);
 }
 
-/// A ridge across the way, of which the learned networks are told to say nothing and the map has no price: the twin sees what it would
-/// do to the hull, and goes around its end.
+/// A ridge across the path, with learned models disabled and without a cost on the map: the internal model predicts the
+/// hull contact, and the planner avoids it.
 #[test]
 fn a_ridge_that_only_the_simulation_knows_of_is_gone_around() {
     let ridge = |x: f64, y: f64| if (-9.5..-8.5).contains(&x) && y < 2.0 { 1.6 } else { 0.0 };
@@ -178,12 +178,12 @@ fn a_map_that_is_no_surface_is_an_error() {
     }
 }
 
-/// The same task without any map.
+/// The same task without maps.
 fn unknown(params: &[(&str, &str)]) -> Task {
     Task { elevation: None, semantics: None, occupancy: None, ..task(|_, _| 0.0, params) }
 }
 
-/// What a vehicle 15 m before the middle sees within 10 m: heights, and where there are obstacles.
+/// The local map of a vehicle 15 m before the middle with a radius of 10 m: heights and obstacles.
 fn seen(height: impl Fn(f64, f64) -> f64, blocked: impl Fn(f64, f64) -> bool) -> LocalMap {
     let frame = GridFrame { rows: 81, cols: 81, resolution: 0.25, origin_x: -25.0, origin_y: -10.0 };
     let places: Vec<(f64, f64)> = (0..81 * 81).map(|k| frame.position(k / 81, k % 81)).collect();
@@ -195,7 +195,7 @@ fn seen(height: impl Fn(f64, f64) -> f64, blocked: impl Fn(f64, f64) -> bool) ->
     }
 }
 
-/// The mean steering after some steps of a vehicle that has no map and sees this.
+/// The mean steering after some steps of a vehicle without maps and with this local map.
 fn steering_by_sight(map: LocalMap) -> f64 {
     let mut planner = Ibex::init(&unknown(&[("foresight", "256")])).unwrap();
     let o = Observation { local_map: Some(map), ..observed(0.0, -15.0, 3.0, Gear::Forward) };
@@ -220,7 +220,7 @@ fn without_maps_it_waits_for_its_first_look_and_then_goes_on_by_the_last() {
     let mut planner = Ibex::init(&unknown(&[])).unwrap();
     let blind = observed(0.0, -15.0, 0.0, Gear::Forward);
     assert_eq!(planner.step(&blind).unwrap(), Command::default());
-    // Nothing of the ground is seen, which is not known to be a danger.
+    // Unknown terrain is not treated as a danger.
     let map = seen(|_, _| f64::NAN, |_, _| false);
     let looks = Observation { local_map: Some(map), ..blind.clone() };
     for o in [&looks, &blind] {

@@ -1,8 +1,9 @@
-//! A planner that drives by a policy's weights, which are put into its file after it was built: so whoever trains a policy in Python
-//! needs no Rust to hand it in.
+//! A planner that runs the weights of a policy, which are embedded in its file after compilation: policies trained in
+//! Python become planners without Rust.
 //!
-//! The static `SLOT` is room for them. `python -m vertibench.training package` finds it by its first bytes, writes the length and the weights
-//! behind these, and puts name and weights into the planner's metadata (`harness/python/vertibench/training/_package.py`).
+//! The static `SLOT` reserves the space. `python -m vertibench.training package` finds it by its first bytes, writes
+//! the length and the weights after them, and puts name and weights into the planner's metadata
+//! (`harness/python/vertibench/training/_package.py`).
 
 use vb_sdk::nn::Weights;
 use vb_sdk::policy::Trained;
@@ -11,16 +12,16 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Task};
 vb_sdk::export_planner! {
     planner: Learned,
     name: "learned",
-    about: "Drives by the weights of a policy, once there are some in its file",
+    about: "Runs an embedded policy",
     control_period: 0.1,
 }
 
-/// The most bytes of weights: a quarter million numbers.
+/// Maximum size of the weights, bytes (a quarter of a million numbers).
 pub const CAPACITY: usize = 1 << 20;
-/// The bytes by which the room for weights is found; the length follows in four bytes, the lowest first.
+/// Marker of the reserved space; the length follows as a little-endian number of four bytes.
 pub const MARK: [u8; 32] = *b"vertibench: room for weights ->\n";
 
-/// The room for weights: the mark, the length, and then the weights. What isn't zero is in the file byte for byte.
+/// Reserved space: marker, length, weights. It is not zero, so that the file contains it byte for byte.
 #[used]
 static SLOT: [u8; MARK.len() + 4 + CAPACITY] = empty();
 
@@ -34,9 +35,9 @@ const fn empty() -> [u8; MARK.len() + 4 + CAPACITY] {
     slot
 }
 
-/// What is in the room now. The compiler must not take it for what it was when this was built.
+/// The current content of the space. Volatile reads, because the file changes after compilation.
 fn weights() -> Vec<u8> {
-    // SAFETY: the index lies in the array.
+    // SAFETY: the index is within the array.
     let at = |k: usize| unsafe { std::ptr::read_volatile(&raw const SLOT[k]) };
     let start = MARK.len();
     let length = u32::from_le_bytes(std::array::from_fn(|k| at(start + k))) as usize;
@@ -52,8 +53,8 @@ impl Planner for Learned {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let weights = weights();
         if weights.is_empty() {
-            let to_do = "take weights that `python -m vertibench.training export` has written, and put them in by `… package`";
-            return Err(format!("there are no weights in this planner's file ({to_do})").into());
+            let to_do = "export weights using `python -m vertibench.training export`, and embed them using `… package`";
+            return Err(format!("this planner contains no weights ({to_do})").into());
         }
         let policy = Trained::new(&Weights::parse(&weights)?, task)?;
         Ok(Self { task: task.clone(), policy })

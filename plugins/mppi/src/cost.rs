@@ -1,11 +1,11 @@
-//! What a course costs.
+//! Cost of a rollout.
 
 use vb_sdk::mppi::{BicycleState, Cost, Field, LANES, Lanes};
 
-/// A touch costs so many times the greatest price of being near.
+/// Cost of a contact, as a multiple of the maximum cost of proximity.
 const TOUCH: f32 = 10.0;
 
-/// Weights of the parts.
+/// Weights of the cost terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Weights {
     pub(crate) goal: f32,
@@ -14,7 +14,7 @@ pub(crate) struct Weights {
     pub(crate) effort: f32,
 }
 
-/// The cost of a course; see the crate's description.
+/// Cost of a rollout; the crate's description has the formula.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Objective {
     /// The local goal, m.
@@ -23,21 +23,21 @@ pub(crate) struct Objective {
     pub(crate) per_lookahead: f32,
     /// Target speed, m/s.
     pub(crate) target: f32,
-    /// Steps of a course.
+    /// Steps per rollout.
     pub(crate) steps: f32,
     pub(crate) weights: Weights,
     /// Distance of an axle from the reference point, m.
     pub(crate) axle: f32,
     /// Radius of the circles about the axles, m.
     pub(crate) radius: f32,
-    /// Beyond the circles, m.
+    /// Distance outside the circles within which obstacles have a cost, m.
     pub(crate) margin: f32,
     /// Distance to obstacles and edges, m.
     pub(crate) clearance: Field,
 }
 
 impl Objective {
-    /// Squared distance from the local goal, in look-aheads.
+    /// Squared distance from the local goal, in look-ahead distances.
     fn away(&self, s: &BicycleState) -> Lanes {
         std::array::from_fn(|l| {
             let (dx, dy) = (s.x[l] - self.goal[0], s.y[l] - self.goal[1]);
@@ -45,7 +45,7 @@ impl Objective {
         })
     }
 
-    /// Price of a circle at `axle` ahead of the reference point.
+    /// Proximity cost of a circle `axle` ahead of the reference point.
     fn near(&self, s: &BicycleState, axle: f32) -> Lanes {
         let x: Lanes = std::array::from_fn(|l| s.x[l] + axle * s.cos[l]);
         let y: Lanes = std::array::from_fn(|l| s.y[l] + axle * s.sin[l]);

@@ -1,15 +1,15 @@
-//! The MPPI planner of the Verti-Bench paper: samples steering and speed, rolls a bicycle out in the plane, and follows
-//! the global path around obstacles. It does not look at the terrain.
+//! The MPPI planner of the Verti-Bench paper: samples steering and speed, rolls out a planar bicycle model, and follows
+//! the global path around obstacles. It does not use the terrain.
 //!
-//! Every control period 1000 courses of 20 steps are drawn about the last plan and rolled out ([`vb_sdk::mppi`]). A
-//! course costs, each as a mean over its steps,
-//! - `goal` · (distance from the local goal / look-ahead)², and as much again for its end,
-//! - `obstacle` · what it comes too near to obstacles and to the edge of the world, in shares of `margin`, squared, for two
-//!   circles about the axles that cover the vehicle's width; ten times `obstacle` for each that touches,
+//! Every control period it samples 1000 rollouts of 20 steps around the last plan ([`vb_sdk::mppi`]). The cost of a
+//! rollout is the sum of, each as a mean over its steps,
+//! - `goal` · (distance from the local goal / look-ahead distance)², plus the same term for the final state,
+//! - `obstacle` · (penetration into `margin` around obstacles and the edge of the world, as a fraction of `margin`)²,
+//!   for two circles around the axles that cover the vehicle's width; ten times `obstacle` for each circle in contact,
 //! - `pace` · (speed / target − 1)²,
 //! - `effort` · steering².
 //!
-//! `docs/planners.md` says what the paper says of it, what the released code does, and what is different here.
+//! `docs/planners.md` compares the paper, the released code and this planner.
 
 mod cost;
 
@@ -22,25 +22,25 @@ use vb_sdk::{Command, GridFrame, LabelMap, Observation, Planner, PlannerError, S
 vb_sdk::export_planner! {
     planner: MppiPlanner,
     name: "mppi",
-    about: "Samples steering and speed for a bicycle in the plane, around obstacles towards a point on the global path",
+    about: "MPPI with a planar bicycle model: follows the global path around obstacles",
     control_period: 0.1,
     params: {
         speed: 5.0 => "target speed, m/s at full scale",
-        lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
-        samples: 1000 => "courses drawn every control period",
-        horizon: 20 => "steps of a course",
-        dt: 0.15 => "time of a step, s at full scale",
-        spacing: 5 => "steps from one drawn command to the next; those between lie on a line",
-        steer_spread: 0.4 => "standard deviation of drawn steering, of full steering",
-        speed_spread: 0.5 => "standard deviation of drawn speed, m/s at full scale",
-        effective: 0.1 => "share of the courses that the temperature gives a say",
+        lookahead: 10.0 => "look-ahead distance of the local goal along the global path, m at full scale",
+        samples: 1000 => "rollouts per control period",
+        horizon: 20 => "steps per rollout",
+        dt: 0.15 => "step length, s at full scale",
+        spacing: 5 => "spacing of sampled commands, steps; linear in between",
+        steer_spread: 0.4 => "standard deviation of sampled steering, fraction of full lock",
+        speed_spread: 0.5 => "standard deviation of sampled speeds, m/s at full scale",
+        effective: 0.1 => "effective sample fraction that the temperature targets",
         goal: 1.0 => "weight of the distance from the local goal",
-        obstacle: 10.0 => "weight of obstacles and edges",
-        margin: 1.0 => "distance between vehicle and obstacle that costs nothing, m at full scale",
+        obstacle: 10.0 => "weight of obstacles and world edges",
+        margin: 1.0 => "distance from obstacles above which they have no cost, m at full scale",
         pace: 3.0 => "weight of the deviation from the target speed",
         effort: 0.2 => "weight of steering",
         speed_kp: 1.0 => "proportional gain of the speed controller, s/m at full scale",
-        explain: 0 => "number of courses (rounded up to a multiple of 8) to record with their costs beside the trajectory",
+        explain: 0 => "number of rollouts (rounded up to a multiple of 8) to record with their costs in the debug file",
     },
     without_maps: { local_map }
 }
@@ -52,23 +52,23 @@ pub struct MppiPlanner {
     objective: Objective,
     mppi: Mppi<2>,
     speed: SpeedController,
-    /// The least and the greatest coordinates of the world, where there is no map of its obstacles.
+    /// Minimum and maximum coordinates of the world, for tasks without an occupancy map.
     edges: Option<((f64, f64), (f64, f64))>,
     period: f64,
     explain: usize,
 }
 
-/// The least coordinates of the world, m.
+/// Minimum coordinates of the world, m.
 fn low(task: &Task) -> (f64, f64) {
     (-task.half_extent.x, -task.half_extent.y)
 }
 
-/// The greatest coordinates of the world, m.
+/// Maximum coordinates of the world, m.
 fn high(task: &Task) -> (f64, f64) {
     (task.half_extent.x, task.half_extent.y)
 }
 
-/// A map of the whole world in which nothing is known.
+/// A map of the whole world without known cells.
 fn unknown(task: &Task) -> LabelMap {
     let resolution = 0.5 * task.vehicle.scale;
     let count = |half: f64| (2.0 * half / resolution).clamp(1.0, 4096.0) as u32 + 1;
@@ -103,7 +103,7 @@ impl Planner for MppiPlanner {
         let radius = 0.5 * vehicle.width;
         let clearance = match &task.occupancy {
             Some(_) => Field::clearance(task, radius + margin),
-            // Until the first map of the surroundings comes, only the edge of the world is known.
+            // Before the first local map, only the edge of the world is known.
             None => Field::around(&unknown(task), low(task), high(task), radius + margin),
         };
         let clearance =
@@ -157,7 +157,7 @@ impl Planner for MppiPlanner {
         }
         self.follower.update(pose.position.x, pose.position.y);
         let goal = self.follower.look_ahead(self.lookahead);
-        // In single precision differences near the vehicle are finer than differences of positions in the world.
+        // Single precision: relative positions near the vehicle are finer than world coordinates.
         self.objective.goal = [goal.x as f32, goal.y as f32];
         let start = BicycleState::of(pose, o.last_steering);
         let weighing = self.mppi.improve(&self.model, &self.objective, &start);
@@ -170,7 +170,7 @@ impl Planner for MppiPlanner {
 }
 
 impl MppiPlanner {
-    /// Courses as x, y, x, y, … one after the other, their costs, and how many had a say.
+    /// Rollouts as x, y, x, y, … one after the other, their costs, and the effective sample size.
     fn explanation(&self, start: &BicycleState, effective: f64) -> Vec<Series> {
         let blocks = self.explain.div_ceil(LANES).min(self.mppi.costs().len() / LANES);
         let mut courses = Vec::new();

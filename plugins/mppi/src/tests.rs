@@ -1,4 +1,4 @@
-//! What it does on flat ground.
+//! Behaviour on flat terrain.
 
 use super::*;
 use vb_sdk::{GridFrame, LocalMap, Map, Param, Point2, Pose, Vec3, Vehicle, math};
@@ -22,7 +22,7 @@ const DEFAULTS: [(&str, &str); 16] = [
     ("explain", "0"),
 ];
 
-/// A vehicle of 4 × 2 m on 80 × 80 m, with a global path east along the x axis, and obstacles where `blocked` says so.
+/// A vehicle of 4 × 2 m on 80 × 80 m, with a global path east along the x axis, and obstacles where `blocked` is true.
 fn task(blocked: impl Fn(f64, f64) -> bool, params: &[(&str, &str)]) -> Task {
     let frame = GridFrame { rows: 160, cols: 160, resolution: 0.5, origin_x: -39.75, origin_y: -39.75 };
     let at = |i: usize| -39.75 + 0.5 * i as f64;
@@ -49,7 +49,7 @@ fn task(blocked: impl Fn(f64, f64) -> bool, params: &[(&str, &str)]) -> Task {
     }
 }
 
-/// Drives the planner's own bicycle for some steps, and tells where it was.
+/// Moves the planner's bicycle model for some steps, and returns its states.
 fn drive(task: &Task, steps: usize) -> Vec<Pose> {
     let mut planner = MppiPlanner::init(task).unwrap();
     let start = task.path[0];
@@ -72,22 +72,22 @@ fn drive(task: &Task, steps: usize) -> Vec<Pose> {
 
 #[test]
 fn on_free_ground_it_drives_straight_along_the_path_at_its_pace() {
-    // 9 s, before the end of the path comes near.
+    // 9 s, before the end of the path.
     let seen = drive(&task(|_, _| false, &[]), 90);
     assert!(seen.iter().all(|o| o.position.y.abs() < 0.3 && o.yaw.abs() < 0.1));
     let speed = seen.iter().skip(50).map(|o| o.linear_velocity.x).sum::<f64>() / 40.0;
-    // The local goal draws it on a little.
+    // The local goal also attracts it.
     assert!((4.5..5.8).contains(&speed), "{speed}");
 }
 
 #[test]
 fn an_obstacle_on_the_path_is_passed_on_its_nearer_side_without_a_touch() {
-    // A block 3 m wide across the path, whose middle lies 1 m to one side: the other side is nearer.
+    // A block 3 m wide across the path, with its centre 1 m to one side: the other side is nearer.
     for side in [1.0, -1.0] {
         let block = move |x: f64, y: f64| x.abs() < 1.5 && (y - side).abs() < 1.5;
         let seen = drive(&task(block, &[]), 190);
         let past = seen.iter().min_by(|a, b| a.position.x.abs().total_cmp(&b.position.x.abs())).unwrap();
-        assert!(seen.last().unwrap().position.x > 6.0, "it gets on");
+        assert!(seen.last().unwrap().position.x > 6.0, "it makes progress");
         assert!(past.position.y * side < 0.0, "side {side}: passes at {}", past.position.y);
         for o in &seen {
             for axle in [-1.5, 1.5] {
@@ -120,7 +120,7 @@ fn without_a_map_of_obstacles_it_goes_around_those_that_it_sees() {
         let mut unknown = task(|_, _| false, &[]);
         (unknown.occupancy, unknown.elevation) = (None, None);
         unknown.half_extent = Point2 { x: 40.0, y: 40.0 };
-        // A block 6 m ahead, a little to one side of the way; behind it nothing is known.
+        // A block 6 m ahead, slightly to one side of the path; unknown cells behind it.
         let frame = GridFrame { rows: 81, cols: 81, resolution: 0.25, origin_x: -35.0, origin_y: -10.0 };
         let label = |x: f64, y: f64| match x + 25.0 {
             ahead if (6.0..8.0).contains(&ahead) && (y - side).abs() < 1.5 => 1,
@@ -156,7 +156,7 @@ fn a_tenth_of_the_scale_is_driven_alike() {
             (0.1 * map.resolution, 0.1 * map.origin_x, 0.1 * map.origin_y);
     }
     small.path.iter_mut().for_each(|p| *p = Point2 { x: 0.1 * p.x, y: 0.1 * p.y });
-    // Speeds scale by the root of the length.
+    // Speeds scale with the root of the lengths.
     let at = |task: &Task, s: f64| {
         let mut planner = MppiPlanner::init(task).unwrap();
         let position = Vec3 { x: -8.0 * s, y: 0.0, z: 0.0 };

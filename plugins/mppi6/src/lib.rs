@@ -1,25 +1,24 @@
-//! The MPPI-6 planner of the Verti-Bench paper: samples steering and speed, and rolls learned motion in six degrees of freedom out
-//! over the terrain.
+//! The MPPI-6 planner of the Verti-Bench paper: MPPI with learned 6-DoF kinodynamics over the terrain.
 //!
-//! The motion is [`hybrid::Kinodynamics`], whose networks `tools/model-train` has learned from exploration of training worlds. A
-//! course costs what [`hybrid::Objective`] says: the way to a point on the global path, obstacles, roll and pitch.
-//! `docs/planners.md` says what the paper says of it, what the released code does, and what is different here.
+//! The dynamics model is [`hybrid::Kinodynamics`], trained by `tools/model-train` on exploration of training worlds.
+//! The cost of a rollout is [`hybrid::Objective`]: distance from a point on the global path, obstacles, roll, pitch and
+//! hazards. `docs/planners.md` compares the paper, the released code and this planner.
 
 hybrid::export_hybrid! {
     planner: Mppi6Planner,
     name: "mppi6",
-    about: "Samples steering and speed for learned motion in six degrees of freedom, towards a point on the global path",
+    about: "MPPI with learned 6-DoF kinodynamics, towards a point on the global path",
     aim: Path,
     learned: All,
     attention: false,
     params: {
-        lookahead: 16.0 => "distance of the local goal along the global path, m at full scale",
-        steer_spread: 0.6 => "standard deviation of drawn steering, of full steering",
-        effective: 0.1 => "share of the courses that the temperature gives a say",
+        lookahead: 16.0 => "look-ahead distance of the local goal along the global path, m at full scale",
+        steer_spread: 0.6 => "standard deviation of sampled steering, fraction of full lock",
+        effective: 0.1 => "effective sample fraction that the temperature targets",
         goal: 1.0 => "weight of the distance from the local goal",
-        tilt: 2.0 => "weight of roll and pitch",
+        tilt: 2.0 => "weight of roll and pitch above `roll` and `pitch`",
         stuck: 8.0 => "weight of the probability of getting stuck",
         over: 8.0 => "weight of the probability of tipping over",
-        risk: 0.0 => "level in [0, 0.99] of the conditional value at risk at which these two are priced; 0 prices what is to be expected",
+        risk: 0.0 => "CVaR level of the hazard costs `stuck` and `over`, 0 to 0.99; 0: expected cost",
     },
 }

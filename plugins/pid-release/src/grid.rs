@@ -1,7 +1,7 @@
 //! The original's global planner (systems/PID/PID.py): A* on pixels, and one Bézier curve.
 //!
-//! Pixels are numbered (row, column) from the north-west. The planner takes pixel k to reach from k − n/2 to
-//! k + 1 − n/2 of n, half a pixel off the elevation, and its way through the pixel at its lower bound; that is kept.
+//! Pixels are numbered (row, column) from the north-west. The planner assumes that pixel k covers k − n/2 to k + 1 −
+//! n/2 of n, half a pixel off the elevation, and its path uses the lower bound of each pixel, as in the original.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,7 +11,7 @@ use vb_sdk::{Map, PlannerError};
 /// A pixel: row from the north, column from the west.
 pub type Cell = (usize, usize);
 
-/// Which pixels are blocked.
+/// Occupancy of the pixels.
 #[derive(Clone, Debug)]
 pub struct Grid {
     side: usize,
@@ -36,10 +36,10 @@ impl Grid {
         self.pixel
     }
 
-    /// Blocks squares given as `ROW:COLUMN:HALF;...`, each reaching `HALF` pixels from its centre.
+    /// Blocks squares given as `ROW:COLUMN:HALF;...`, each extending `HALF` pixels from its centre.
     ///
     /// # Errors
-    /// If the text is anything else, or a centre lies outside.
+    /// Returns an error for any other text, or a centre outside the grid.
     pub fn block_squares(&mut self, text: &str) -> Result<(), PlannerError> {
         for square in text.split(';') {
             let numbers: Vec<usize> = square.split(':').map_while(|s| s.parse().ok()).collect();
@@ -57,7 +57,7 @@ impl Grid {
         Ok(())
     }
 
-    /// Blocks the pixels whose centres an occupancy map covers.
+    /// Blocks the pixels with centres in occupied cells of an occupancy map.
     pub fn block_occupied(&mut self, occupancy: &Map<u8>) {
         for row in 0..self.side {
             for col in 0..self.side {
@@ -78,7 +78,7 @@ impl Grid {
         }
     }
 
-    /// The grid with every blocked pixel grown to a square that reaches `half` pixels from it.
+    /// The grid with every blocked pixel dilated to a square that extends `half` pixels from it.
     #[must_use]
     pub fn inflated(&self, half: usize) -> Self {
         let mut grown = Self::new(self.side, self.pixel);
@@ -88,25 +88,25 @@ impl Grid {
         grown
     }
 
-    /// The pixel of a position, m; outside the map the nearest one.
+    /// The pixel of a position, m; outside the map the nearest pixel.
     #[must_use]
     pub fn cell(&self, x: f64, y: f64) -> Cell {
         let half = 0.5 * self.side as f64;
-        // The cast cuts the fraction and takes what is below 0 to 0.
+        // The cast truncates the fraction and clamps negative values to 0.
         let index = |v: f64| ((v / self.pixel + half) as usize).min(self.side - 1);
         (index(-y), index(x))
     }
 
-    /// The position, m, that a (fractional) pixel stands for.
+    /// The position of a (fractional) pixel, m.
     fn position(&self, (row, col): (f64, f64)) -> [f64; 2] {
         let half = 0.5 * self.side as f64;
         [(col - half) * self.pixel, (half - row) * self.pixel]
     }
 
-    /// The way found by A* from `start` to `goal`, both included; none if there is none.
+    /// The path found by A* from `start` to `goal`, both included; none without a path.
     ///
-    /// All eight neighbours cost 1, the heuristic is the distance in a straight line (which overestimates diagonals);
-    /// of equal estimates the smaller row, then the smaller column goes first. The start may be blocked.
+    /// All eight neighbours cost 1, the heuristic is the Euclidean distance (which overestimates diagonals); ties go to
+    /// the smaller row, then to the smaller column. The start may be blocked.
     #[must_use]
     pub fn plan(&self, start: Cell, goal: Cell) -> Option<Vec<Cell>> {
         let index = |(row, col): Cell| row * self.side + col;
@@ -117,7 +117,7 @@ impl Grid {
         let mut cost = vec![u32::MAX; self.blocked.len()];
         let mut parent = vec![start; self.blocked.len()];
         let mut closed = vec![false; self.blocked.len()];
-        // Estimates are not negative: their bits sort as they do.
+        // Estimates are not negative: their bits have the same order.
         let mut open = BinaryHeap::from([Reverse((0u64, start))]);
         cost[index(start)] = 0;
         while let Some(Reverse((_, cell))) = open.pop() {
@@ -150,7 +150,7 @@ impl Grid {
     }
 
     /// The Bézier curve with these cells as its control points, at 100 parameters from 0 to 1, m. Fewer than three
-    /// cells stay as they are.
+    /// cells are returned unchanged.
     #[must_use]
     pub fn smooth(&self, cells: &[Cell]) -> Vec<[f64; 2]> {
         let exact = |&(row, col): &Cell| (row as f64, col as f64);
@@ -173,7 +173,7 @@ impl Grid {
     }
 }
 
-/// The n + 1 Bernstein polynomials of degree n at t, up to a common factor: the largest is 1, so that high degrees
+/// The n + 1 Bernstein polynomials of degree n at t, up to a common factor: the maximum is 1, so that high degrees
 /// neither overflow nor vanish.
 fn bernstein(n: usize, t: f64) -> Vec<f64> {
     let mode = ((n as f64 * t) as usize).min(n);

@@ -1,10 +1,10 @@
-//! The PID planner as the released code of Verti-Bench has it, oddities included: for comparison with results of the
-//! original. To drive well, take the `pid` planner.
+//! The PID planner of the released code of Verti-Bench, including its peculiarities, for comparison with results of the
+//! original. The `pid` planner follows the paper.
 //!
-//! Every 0.1 s it plans anew from where it is: A* on a map of pixels (see [`grid`]), one Bézier curve through all its
-//! cells. It steers by the angle between the heading and the bearing of the curve's first point that is at least 10 m
-//! away and in front, one per radian, changing by at most 0.05 every 5 ms; the original does not limit it to the lock,
-//! this interface does. Until the first plan, at `first_plan`, it aims east. Throttle and brake come from a proportional
+//! Every 0.1 s it re-plans from its position: A* on a map of pixels (see [`grid`]), one Bézier curve through all cells.
+//! It steers by the angle between the heading and the bearing of the curve's first point that is at least 10 m away and
+//! ahead, gain 1 per radian, changing by at most 0.05 every 5 ms; the original does not limit it to the lock, this
+//! interface does. Until the first plan, at `first_plan`, it aims east. Throttle and brake come from a proportional
 //! controller of the forward speed, gain 1. Terrain is ignored. All lengths are in pixels of the elevation map, 1 m at
 //! full scale.
 
@@ -17,7 +17,7 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Task, math};
 vb_sdk::export_planner! {
     planner: PidRelease,
     name: "pid-release",
-    about: "The PID planner as the released code has it, replanning by A* and one Bezier curve",
+    about: "PID planner of the released code: re-plans with A* and one Bezier curve",
     control_period: 0.005,
     params: {
         speed: 4.0 => "target speed, m/s",
@@ -28,11 +28,11 @@ vb_sdk::export_planner! {
 
 /// Time between two plans, s.
 const PLAN_PERIOD: f64 = 0.1;
-/// Distance of the local goal, pixels.
+/// Minimum distance of the local goal, pixels.
 const LOOK_AHEAD: f64 = 10.0;
-/// Greatest change of the steering command in a step, 1.
+/// Maximum change of the steering command per step.
 const STEERING_STEP: f64 = 0.05;
-/// Pixels by which obstacles are grown.
+/// Dilation of obstacles, pixels.
 const INFLATION: usize = 4;
 
 #[derive(Clone, Debug)]
@@ -56,7 +56,10 @@ impl Planner for PidRelease {
         let frame = task.elevation()?.frame;
         if frame.rows != frame.cols {
             let (rows, cols) = (frame.rows, frame.cols);
-            return Err(format!("a world of {rows} x {cols} samples: this planner knows square ones").into());
+            return Err(format!(
+                "the world has {rows} x {cols} samples; this planner supports square worlds"
+            )
+            .into());
         }
         let mut grid = Grid::new(frame.rows as usize, frame.resolution);
         let squares = task.param("obstacles").unwrap_or_default();
@@ -83,10 +86,10 @@ impl Planner for PidRelease {
     fn step(&mut self, observation: &Observation) -> Result<Command, PlannerError> {
         let pose = observation.pose()?;
         let (x, y, yaw) = (pose.position.x, pose.position.y, pose.yaw);
-        // Half a step of slack: times are sums of steps.
+        // Half a step of tolerance: times are sums of steps.
         if observation.time + 0.5 * self.period > self.next_plan {
             self.next_plan += PLAN_PERIOD;
-            // Without a way the old path stays.
+            // Without a new path, the old path remains.
             if let Some(cells) = self.grid.plan(self.grid.cell(x, y), self.goal) {
                 self.path = self.grid.smooth(&cells);
                 self.local_goal = 0;
@@ -105,8 +108,8 @@ impl Planner for PidRelease {
 }
 
 impl PidRelease {
-    /// The first point of the path from the last local goal on that is far enough and in front; failing that the
-    /// path's last point; none without a path.
+    /// The first point of the path after the last local goal that is far enough away and ahead; without such a point
+    /// the path's last point; none without a path.
     fn find_local_goal(&mut self, x: f64, y: f64, yaw: f64) -> Option<[f64; 2]> {
         let far = LOOK_AHEAD * self.grid.pixel();
         let fits = |p: &[f64; 2]| {

@@ -1,11 +1,11 @@
-//! The PID planner of the Verti-Bench paper: steer by the heading error to a local goal on the global path, hold a
-//! target speed.
+//! The PID planner of the Verti-Bench paper: steers by the heading error to a local goal on the global path, and
+//! controls the speed.
 //!
-//! Every control period it takes the point of the global path that lies 10 m (times the scale of the vehicle) past
-//! the closest point as its local goal, and steers by the angle between the heading and the bearing of that goal,
-//! steering = kp·e + ki·∫e dt + kd·de/dt, with kp = 1 per radian and ki = kd = 0 as in the released code. Throttle
-//! and brake come from a proportional controller of the forward speed with gain 1 per m/s. It looks neither at the
-//! ground nor at obstacles: the global path goes around them.
+//! Every control period, the local goal is the point on the global path 10 m (times the vehicle's scale) past the
+//! closest point. The heading error e is the angle between the heading and the bearing of the local goal: steering =
+//! kp·e + ki·∫e dt + kd·de/dt, with kp = 1 per radian and ki = kd = 0 as in the released code. Throttle and brake come
+//! from a proportional controller of the forward speed with gain 1 per m/s. It uses neither terrain nor obstacles: the
+//! global path avoids obstacles.
 
 use vb_sdk::path::{Follower, Path};
 use vb_sdk::speed::SpeedController;
@@ -14,11 +14,11 @@ use vb_sdk::{Command, Observation, Planner, PlannerError, Task, math};
 vb_sdk::export_planner! {
     planner: Pid,
     name: "pid",
-    about: "Steers by the heading error to a point on the global path and holds a target speed",
+    about: "Steers by the heading error to a point on the global path, and controls the speed",
     control_period: 0.1,
     params: {
         speed: 5.0 => "target speed, m/s at full scale",
-        lookahead: 10.0 => "distance of the local goal along the global path, m at full scale",
+        lookahead: 10.0 => "look-ahead distance of the local goal along the global path, m at full scale",
         kp: 1.0 => "proportional gain of the steering, 1/rad",
         ki: 0.0 => "integral gain of the steering, 1/(rad s)",
         kd: 0.0 => "derivative gain of the steering, s/rad",
@@ -49,7 +49,7 @@ struct Steering {
 impl Steering {
     fn update(&mut self, error: f64, dt: f64) -> f64 {
         self.integral += error * dt;
-        // The error jumps by a full turn where it wraps; the vehicle doesn't.
+        // The error jumps by a full turn where it wraps; the heading does not.
         let rate = self.last.map_or(0.0, |last| math::turn(last, error) / dt);
         self.last = Some(error);
         (self.kp * error + self.ki * self.integral + self.kd * rate).clamp(-1.0, 1.0)
@@ -60,7 +60,8 @@ impl Planner for Pid {
     fn init(task: &Task) -> Result<Self, PlannerError> {
         let lookahead = task.param_positive("lookahead")? * task.vehicle.scale;
         Ok(Self {
-            // Twice the look-ahead is more than it moves in a step, and less than it takes to reach another bend.
+            // Twice the look-ahead distance exceeds the motion per step, and is shorter than the distance to another
+            // bend.
             follower: Follower::new(Path::new(&task.path)?, 2.0 * lookahead),
             lookahead,
             steering: Steering {
@@ -70,7 +71,7 @@ impl Planner for Pid {
                 integral: 0.0,
                 last: None,
             },
-            // Speeds scale by the root of the lengths (Froude).
+            // Speeds scale with the root of lengths (Froude).
             target_speed: task.param_positive("speed")? * task.vehicle.scale.sqrt(),
             speed: SpeedController::new(task.param_f64("speed_kp")? / task.vehicle.scale.sqrt(), 0.0),
             period: task.control_period,
@@ -95,7 +96,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
     use vb_sdk::{Param, Point2, Pose, Vec3, Vehicle};
 
-    /// Angles of right triangles with legs 1:5 and 1:2, rad.
+    /// Angles of right-angled triangles with legs 1:5 and 1:2, rad.
     const ATAN_FIFTH: f64 = 0.197_395_559_849_880_75;
     const ATAN_HALF: f64 = 0.463_647_609_000_806_1;
 

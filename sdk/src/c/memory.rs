@@ -1,9 +1,9 @@
-//! Memory that C's pointers lead to.
+//! Memory behind the pointers of C structs.
 
 use std::any::Any;
 use std::ffi::{CStr, CString, c_char};
 
-/// Owns what the pointers of a lowered struct lead to. It must live as long as they are used.
+/// Owns the memory behind the pointers of a lowered struct. It must outlive their use.
 #[derive(Debug, Default)]
 pub struct Arena {
     texts: Vec<CString>,
@@ -11,7 +11,7 @@ pub struct Arena {
 }
 
 impl Arena {
-    /// Forgets everything: no pointer into it may be used any more.
+    /// Frees everything: its pointers become invalid.
     pub fn clear(&mut self) {
         self.texts.clear();
         self.blocks.clear();
@@ -34,7 +34,7 @@ impl Arena {
         pointer
     }
 
-    /// The address of the first of these values.
+    /// The address of the first value.
     pub(super) fn list<T: 'static>(&mut self, values: Vec<T>) -> *const T {
         let pointer = values.as_ptr();
         self.blocks.push(Box::new(values));
@@ -43,7 +43,7 @@ impl Arena {
 }
 
 /// # Safety
-/// The pointer leads to so many values, or is null, or there are none.
+/// The pointer refers to this number of values, or is null, or the number is 0.
 pub(super) unsafe fn slice<'a, T>(pointer: *const T, len: usize) -> &'a [T] {
     if pointer.is_null() || len == 0 {
         return &[];
@@ -53,7 +53,7 @@ pub(super) unsafe fn slice<'a, T>(pointer: *const T, len: usize) -> &'a [T] {
 }
 
 /// # Safety
-/// The pointer leads to text that ends with 0, or is null.
+/// The pointer refers to a text that ends with 0, or is null.
 pub(super) unsafe fn text(pointer: *const c_char) -> String {
     if pointer.is_null() {
         return String::new();

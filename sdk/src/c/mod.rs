@@ -1,7 +1,7 @@
-//! The interface in C's terms, which `sdk/c/vb_planner.h` declares for C and C++: structs, and functions that take them.
+//! The C interface, declared for C and C++ in `sdk/c/vb_planner.h`: structs, and functions that use them.
 //!
-//! Native plugins of all languages are called in this way. Those of Rust carry the functions in a root module whose layout
-//! `abi_stable` checks ([`crate::native`]), those of C in the symbol [`ENTRY`].
+//! Native plugins of all languages are called through it. Rust plugins export the functions in a root module whose
+//! layout `abi_stable` checks ([`crate::native`]), C plugins in the symbol [`ENTRY`].
 
 #[rustfmt::skip]
 mod layout;
@@ -42,7 +42,7 @@ impl Default for CError {
 }
 
 impl CError {
-    /// Puts a text in, as much of it as there is room for.
+    /// Stores a text, truncated to the buffer.
     pub fn set(&mut self, text: &str) {
         let mut end = text.len().min(ERROR_BYTES - 1);
         while !text.is_char_boundary(end) {
@@ -54,7 +54,7 @@ impl CError {
         }
     }
 
-    /// The text; `None` if there is none.
+    /// The text; `None` if it is empty.
     #[must_use]
     pub fn get(&self) -> Option<String> {
         let bytes: Vec<u8> =
@@ -63,7 +63,7 @@ impl CError {
     }
 }
 
-/// `vb_host`: what the harness offers during a call.
+/// `vb_host`: the functions of the harness during a call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, StableAbi)]
 #[allow(missing_docs, reason = "described in the header")]
@@ -94,7 +94,7 @@ pub struct CFunctions {
 }
 
 impl Default for CCommand {
-    /// As a planner gets it: all zero, which is forward with no throttle and no brake.
+    /// The default command: all zero, i.e. forward without throttle and brake.
     fn default() -> Self {
         Self { steering: 0.0, throttle: 0.0, brake: 0.0, gear: 0, debug: std::ptr::null(), debug_len: 0 }
     }

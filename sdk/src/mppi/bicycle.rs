@@ -1,10 +1,9 @@
-//! The kinematic bicycle: steering and speed follow their commands at limited rates.
+//! The kinematic bicycle: steering and speed follow their commands with rate limits.
 
 use super::{LANES, Lanes, Model};
 use crate::{Pose, Vehicle, math};
 
-/// The states of [`LANES`] bicycles in the plane, in the world frame. The reference point lies halfway between the
-/// axles.
+/// The states of [`LANES`] planar bicycles, in the world frame. The reference point is midway between the axles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BicycleState {
     /// The positions of the reference points along x (east), m.
@@ -17,12 +16,12 @@ pub struct BicycleState {
     pub sin: Lanes,
     /// The forward speeds, m/s.
     pub speed: Lanes,
-    /// The steering that the wheels have at present, in −1 to 1, positive to the left.
+    /// Wheel steering, −1 to 1, positive to the left.
     pub steering: Lanes,
 }
 
 impl BicycleState {
-    /// The states in which every bicycle is where the vehicle is, with its steering at this command.
+    /// The state of the vehicle, equal for all bicycles, with this steering.
     #[must_use]
     pub fn of(pose: &Pose, steering: f64) -> Self {
         let (sin, cos) = math::sin_cos(pose.yaw);
@@ -41,25 +40,27 @@ impl BicycleState {
 /// A kinematic bicycle. Its commands are the steering (−1 to 1, positive to the left) and the speed (m/s).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bicycle {
-    /// The curvature of the reference point's path at full lock, 1/m, without what turning in place adds.
+    /// Path curvature of the reference point at full lock, 1/m, without turning in place.
     pub curvature: f32,
-    /// The yaw rate at full lock and standstill, rad/s: 0 but for vehicles that turn in place.
+    /// The yaw rate at full lock and standstill, rad/s: 0 for vehicles that cannot turn in place.
     pub turn_rate_in_place: f32,
-    /// The greatest rate of the steering, 1/s.
+    /// The maximum steering rate, 1/s.
     pub steer_rate: f32,
-    /// The time constant with which the speed follows its command, s.
+    /// The time constant of the speed response, s.
     pub lag: f32,
-    /// The greatest acceleration and deceleration, m/s².
+    /// The maximum acceleration and deceleration, m/s².
     pub acceleration: f32,
 }
 
 impl Bicycle {
-    /// The bicycle with the turning radius, the rate of turning in place and the steering rate of this vehicle. Its lag, half a second at full size,
-    /// and its acceleration of 3 m/s² are typical of a speed controller with a gain of 1 s/m. By Froude's rule the lag
-    /// grows with the square root of the vehicle's scale, while the acceleration is the same at any scale.
+    /// The bicycle with the turning radius, the turn rate in place and the steering rate of this vehicle. Its time
+    /// constant, 0.5 s at full scale, and its acceleration of 3 m/s² are typical of a speed controller with a gain of 1
+    /// s/m. In Froude scaling the time constant scales with the square root of the vehicle's scale, while the
+    /// acceleration is constant.
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
-        // Together they make the turning radius at nine tenths of the top speed, near which skid steering's is told.
+        // Together they give the turning radius at nine tenths of the top speed, near which the radius of skid steering
+        // is specified.
         let in_place = vehicle.turn_rate_in_place / (0.9 * vehicle.max_speed);
         Self {
             curvature: (1.0 / vehicle.min_turn_radius - in_place) as f32,
@@ -84,8 +85,8 @@ impl Model<2> for Bicycle {
             s.speed[l] += (gain * (speed[l] - s.speed[l])).clamp(-change, change);
             let way = s.speed[l] * dt;
             let turn = (way * self.curvature + spin) * s.steering[l];
-            // The heading turns as a vector, by a small angle to the third order, and is brought back to length 1 by one
-            // step of Newton's; the vehicle moves along the heading of the middle of the step.
+            // The heading rotates as a vector, with a third-order small-angle rotation and a Newton step that restores
+            // length 1; the vehicle moves along the heading at the middle of the step.
             let (half, square) = (0.5 * turn, turn * turn);
             let (c, n) = (s.cos[l], s.sin[l]);
             s.x[l] += way * (c - half * n);

@@ -1,4 +1,4 @@
-//! A map of distances or costs that roll-outs look up.
+//! Maps of distances or costs for rollouts.
 
 use super::{LANES, Lanes};
 use crate::{GridFrame, LabelMap, Task, math};
@@ -14,8 +14,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Samples `value(x, y)`, with x and y in m, on a frame of at least 2 × 2 samples. It returns `None` if the frame
-    /// is smaller.
+    /// Samples `value(x, y)`, with x and y in m, on a frame. Returns `None` for a frame of fewer than 2 × 2 samples.
     #[must_use]
     pub fn new(frame: GridFrame, mut value: impl FnMut(f64, f64) -> f64) -> Option<Self> {
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
@@ -33,9 +32,8 @@ impl Field {
         Some(Self { values, rows, cols, per_metre: (1.0 / frame.resolution) as f32, origin })
     }
 
-    /// The distance to the nearest obstacle or to the edge of the world, whichever is less, cut off at `reach`, m; it
-    /// is negative beyond the edge. It returns `None` if the occupancy map has fewer than 2 × 2 samples, or if the task has
-    /// no map of obstacles or heights.
+    /// The distance to the nearest obstacle or edge of the world, m, capped at `reach` and negative outside the world.
+    /// Returns `None` if the occupancy map has fewer than 2 × 2 samples, or the task has no occupancy or elevation map.
     #[must_use]
     pub fn clearance(task: &Task, reach: f64) -> Option<Self> {
         let (occupied, ground) = (task.occupancy.as_ref()?, task.elevation.as_ref()?.frame);
@@ -44,9 +42,8 @@ impl Field {
         Self::around(occupied, low, high, reach)
     }
 
-    /// The same distance in a map of obstacles, such as that of an observation's surroundings, in a world from `low` to
-    /// `high` (x, y), m. Where it isn't known whether there is an obstacle, there is none. It returns `None` if the map has
-    /// fewer than 2 × 2 samples.
+    /// The distance to obstacles and edges for an occupancy map, e.g. a local map, in a world from `low` to `high` (x,
+    /// y), m. Unknown cells count as free. Returns `None` if the map has fewer than 2 × 2 samples.
     #[must_use]
     pub fn around(occupied: &LabelMap, low: (f64, f64), high: (f64, f64), reach: f64) -> Option<Self> {
         let frame = occupied.frame;
@@ -74,15 +71,15 @@ impl Field {
         Some(field)
     }
 
-    /// The values at these places (m), interpolated between the four samples about each. Beyond the edge they are those
-    /// of the edge.
+    /// The values at these positions (m), interpolated between the four samples around each; positions outside the
+    /// frame are clamped to its edge.
     #[must_use]
     pub fn at(&self, x: &Lanes, y: &Lanes) -> Lanes {
         let most = |n: usize| (n - 1) as f32;
         let (last_col, last_row) = (most(self.cols), most(self.rows));
         let c: Lanes = x.map(|x| ((x - self.origin[0]) * self.per_metre).clamp(0.0, last_col));
         let r: Lanes = y.map(|y| ((y - self.origin[1]) * self.per_metre).clamp(0.0, last_row));
-        // What is no number becomes 0 here, and stays no number below.
+        // NaN becomes an index of 0, and remains NaN below.
         let (end_col, end_row) = (self.cols as i32 - 2, self.rows as i32 - 2);
         let col: [i32; LANES] = c.map(|c| (c as i32).min(end_col));
         let row: [i32; LANES] = r.map(|r| (r as i32).min(end_row));
@@ -96,7 +93,7 @@ impl Field {
             corners[3][l] = around[self.cols + 1];
         }
         let [a, b, d, e] = corners;
-        // In a loop of its own, so that all lanes are computed at once.
+        // A separate loop, so that all lanes are vectorised.
         let mut values = [0.0; LANES];
         for l in 0..LANES {
             let (u, v) = (c[l] - col[l] as f32, r[l] - row[l] as f32);

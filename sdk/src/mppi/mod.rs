@@ -1,18 +1,18 @@
-//! Model predictive path integral control (MPPI), for planners that sample.
+//! Model predictive path integral control (MPPI).
 //!
-//! Commands for the next seconds are drawn about a plan, each draw is rolled out through a model of the vehicle, and the
-//! plan becomes the mean of the draws, weighted by their costs (Williams et al., *Information theoretic MPC for
-//! model-based reinforcement learning*, ICRA 2017). Model, cost and sampling are separate: [`Model`] and [`Cost`] are
-//! traits, [`Mppi`] draws and weighs, [`Bicycle`] and [`Field`] are a model and a cost map to start from.
+//! Command sequences for the next seconds are sampled around a plan and rolled out through a model of the vehicle; the
+//! plan becomes their mean, weighted by cost (Williams et al., *Information theoretic MPC for model-based reinforcement
+//! learning*, ICRA 2017). Model, cost and sampling are separate: [`Model`] and [`Cost`] are traits, [`Mppi`] samples
+//! and computes weights, [`Bicycle`] and [`Field`] are an example model and cost map.
 //!
-//! What makes it work well and fast:
-//! - Commands are lines between *knots* some steps apart, so that draws are smooth, few random numbers are needed and the
-//!   plan can be moved on by any time that has passed ([`Mppi::advance`]).
-//! - Draws come in pairs, one the other's mirror image about the plan; the plan itself is among them.
-//! - Costs are measured from the least one, in units of the draws' mean, and the temperature follows the effective number
-//!   of draws: neither one draw nor all of them make the plan, whatever the cost's scale.
-//! - All arithmetic is on [`LANES`] draws side by side in arrays of fixed size, which compilers turn into SIMD, with the
-//!   same bits natively and in WASM.
+//! Properties:
+//! - Commands are linear between *knots* some steps apart: samples are smooth, few random numbers are needed, and the
+//!   plan can be shifted by any elapsed time ([`Mppi::advance`]).
+//! - Samples come in antithetic pairs, mirrored at the plan; the plan itself is a sample.
+//! - Costs are relative to the minimum, in units of the mean, and the temperature adapts to the effective sample size:
+//!   the result is independent of the scale of the cost.
+//! - Arithmetic runs on [`LANES`] samples in arrays of fixed size, which compilers vectorise, with identical bits
+//!   natively and as WASM.
 
 mod bicycle;
 mod field;
@@ -25,73 +25,73 @@ pub use field::Field;
 use crate::math;
 use crate::rng::Rng;
 
-/// The number of draws that are rolled out side by side.
+/// The number of samples that are rolled out at once.
 pub const LANES: usize = 8;
-/// One number for each of [`LANES`] draws.
+/// One number for each of [`LANES`] samples.
 pub type Lanes = [f32; LANES];
 
-/// The way in which a vehicle moves. `C` is the number of commands.
+/// The motion model of a vehicle. `C` is the number of commands.
 pub trait Model<const C: usize> {
     /// The states of [`LANES`] vehicles.
     type State: Clone;
 
-    /// Moves the states on by one step of `dt` seconds under these commands.
+    /// Advances the states by one step of `dt` seconds with these commands.
     fn step(&self, state: &mut Self::State, command: &[Lanes; C], dt: f32);
 }
 
-/// The cost of a plan. Its unit is the implementer's choice; only differences between draws count.
+/// The cost of a plan, in any unit; only differences between samples matter.
 pub trait Cost<State, const C: usize> {
-    /// The costs of being in these states after step `index` (from 0) with these commands.
+    /// The running costs of these states after step `index` (from 0) with these commands.
     fn running(&self, state: &State, command: &[Lanes; C], index: usize) -> Lanes;
 
-    /// The costs of ending in these states.
+    /// The terminal costs of these states.
     fn terminal(&self, state: &State) -> Lanes;
 }
 
-/// The settings of drawing and weighing commands.
+/// The settings of sampling and weighting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings<const C: usize> {
-    /// The number of draws, which is rounded up to a multiple of [`LANES`].
+    /// The number of samples, rounded up to a multiple of [`LANES`].
     pub samples: usize,
-    /// The number of steps of a roll-out.
+    /// The number of steps of a rollout.
     pub horizon: usize,
-    /// The duration of a step, s.
+    /// The step length, s.
     pub dt: f32,
-    /// The number of steps from one knot to the next.
+    /// The number of steps between knots.
     pub spacing: usize,
     /// The standard deviation of each command at the knots, in the command's unit.
     pub spread: [f32; C],
-    /// The least value of each command.
+    /// The minimum of each command.
     pub low: [f32; C],
-    /// The greatest value of each command.
+    /// The maximum of each command.
     pub high: [f32; C],
-    /// The share of all draws, in (0, 1), to which the temperature leads the effective number of draws.
+    /// The effective sample fraction, in (0, 1), that the temperature targets.
     pub effective: f64,
 }
 
-/// The statistics of the last weighing of draws.
+/// The statistics of the last weighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weighing {
-    /// The least cost of a draw.
+    /// The minimum cost of the samples.
     pub least: f64,
-    /// The mean cost of the draws.
+    /// The mean cost of the samples.
     pub mean: f64,
-    /// The effective number of draws: (Σ w)² / Σ w² (Kish 1965).
+    /// The effective sample size: (Σ w)² / Σ w² (Kish 1965).
     pub effective: f64,
-    /// The temperature, in units of the mean cost above the least.
+    /// The temperature, in units of the mean cost above the minimum.
     pub temperature: f64,
 }
 
-/// The planner's memory: the plan, and the draws about it.
+/// The state of the sampler: the plan and the samples.
 #[derive(Clone, Debug)]
 pub struct Mppi<const C: usize> {
     settings: Settings<C>,
     rng: Rng,
     /// The plan: each command at each knot.
     plan: Vec<[f32; C]>,
-    /// Another plan, about which the last of the blocks are drawn, and their number.
+    /// A proposed plan, around which the last blocks are sampled, and the number of these blocks.
     guide: (Vec<[f32; C]>, usize),
-    /// Commands of all draws: by block of [`LANES`], knot, command.
+    /// Commands of all samples: by block of [`LANES`], knot, command.
     draws: Vec<[Lanes; C]>,
     costs: Vec<f32>,
     weights: Vec<f32>,
@@ -99,13 +99,13 @@ pub struct Mppi<const C: usize> {
     weighing: Weighing,
 }
 
-/// The temperature's bounds, in units of the mean cost above the least.
+/// Bounds of the temperature, in units of the mean cost above the minimum.
 const TEMPERATURE: [f64; 2] = [1e-3, 1e3];
-/// Exponent by which the temperature follows the effective number of draws from one call to the next.
+/// Exponent with which the temperature adapts to the effective sample size from one call to the next.
 const FOLLOW: f64 = 0.5;
 
 impl<const C: usize> Mppi<C> {
-    /// A planner whose plan is `command` throughout. The `seed` determines its draws.
+    /// Creates a sampler with the constant plan `command`. The `seed` determines the samples.
     #[must_use]
     pub fn new(settings: Settings<C>, command: [f32; C], seed: u64) -> Self {
         let blocks = settings.samples.div_ceil(LANES).max(1);
@@ -123,7 +123,7 @@ impl<const C: usize> Mppi<C> {
         }
     }
 
-    /// The commands that the plan has at `time` seconds from now; past its end, its last ones.
+    /// The planned commands in `time` seconds; after the end of the plan, the last commands.
     #[must_use]
     pub fn command(&self, time: f64) -> [f64; C] {
         let at = (time / (f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64)).max(0.0);
@@ -135,34 +135,33 @@ impl<const C: usize> Mppi<C> {
         std::array::from_fn(|c| f64::from(from[c]) + part * f64::from(to[c] - from[c]))
     }
 
-    /// Moves the plan on by the time that has passed, s: what was planned for `elapsed` seconds from now is planned for
-    /// now. The plan's last commands are kept beyond its end.
+    /// Shifts the plan by the elapsed time, s. The last commands are repeated at its end.
     pub fn advance(&mut self, elapsed: f64) {
         let spacing = f64::from(self.settings.dt) * self.settings.spacing.max(1) as f64;
         let plan = (0..self.plan.len()).map(|k| self.command(k as f64 * spacing + elapsed).map(|v| v as f32));
         self.plan = plan.collect();
     }
 
-    /// The number of knots of a plan: one every `spacing` steps of a roll-out, and one at its end or beyond.
+    /// The number of knots of a plan: one every `spacing` steps of a rollout, and one at or after its end.
     #[must_use]
     pub fn knots(&self) -> usize {
         self.plan.len()
     }
 
-    /// From now on a part of the draws, in [0, 1], is drawn about another plan with a command for each knot: what a search or a
-    /// policy proposes. The weighing doesn't care about where draws come from, so that a bad proposal costs draws and no more.
+    /// Samples a fraction of the rollouts, in [0, 1], around a proposed plan with a command per knot, e.g. from a
+    /// search or a policy. Weights depend only on costs, so a poor proposal costs samples but does not bias the plan.
     ///
     /// # Panics
-    /// Panics if there are not as many commands as knots.
+    /// Panics if the number of commands is not the number of knots.
     pub fn propose(&mut self, guide: &[[f32; C]], part: f64) {
         assert_eq!(guide.len(), self.plan.len(), "a proposal has a command for each knot");
         let blocks = self.costs.len() / LANES;
-        // The first block has the plan itself.
+        // The first block contains the plan.
         self.guide = (guide.to_vec(), ((part * blocks as f64) as usize).min(blocks - 1));
     }
 
-    /// Draws commands, rolls them out from `start`, and moves the plan to their weighted mean. It returns the
-    /// statistics of the weighing.
+    /// Samples commands, rolls them out from `start`, and moves the plan to their weighted mean. Returns the statistics
+    /// of the weighting.
     pub fn improve<M, K>(&mut self, model: &M, cost: &K, start: &M::State) -> Weighing
     where
         M: Model<C>,
@@ -178,14 +177,14 @@ impl<const C: usize> Mppi<C> {
         self.weighing
     }
 
-    /// The costs of the last roll-outs, in the order of the draws.
+    /// The costs of the last rollouts, in sample order.
     #[must_use]
     pub fn costs(&self) -> &[f32] {
         &self.costs
     }
 
-    /// Rolls a block of [`LANES`] of the last draws out once more and passes every state, the first included, to `see`:
-    /// for pictures.
+    /// Rolls a block of [`LANES`] of the last samples out again and passes every state, including the first, to `see`,
+    /// e.g. for visualisation.
     pub fn replay<M: Model<C>>(
         &self,
         block: usize,
@@ -201,7 +200,7 @@ impl<const C: usize> Mppi<C> {
         }
     }
 
-    /// Rolls the plan out, in all lanes alike, and passes every state, the first included, to `see`: for what it foresees.
+    /// Rolls the plan out, identically in all lanes, and passes every state, including the first, to `see`.
     pub fn unfold<M: Model<C>>(&self, model: &M, start: &M::State, mut see: impl FnMut(&M::State)) {
         let mut state = start.clone();
         see(&state);
@@ -221,7 +220,7 @@ impl<const C: usize> Mppi<C> {
             let mean = if i < first { self.plan[i % knots] } else { guide[i % knots] };
             for c in 0..C {
                 for lane in 0..LANES / 2 {
-                    // The first pair is the plan itself, and the proposal.
+                    // The first pair is the plan and the proposal.
                     let noise = if (i < knots || (first..first + knots).contains(&i)) && lane == 0 {
                         0.0
                     } else {
@@ -234,7 +233,7 @@ impl<const C: usize> Mppi<C> {
         }
     }
 
-    /// The commands of a block at a step: a line between two knots.
+    /// The commands of a block at a step, linear between two knots.
     fn drawn(&self, block: usize, index: usize) -> [Lanes; C] {
         let (knots, spacing) = (self.plan.len(), self.settings.spacing.max(1));
         let (knot, part) = (index / spacing, (index % spacing) as f32 / spacing as f32);
@@ -262,13 +261,13 @@ impl<const C: usize> Mppi<C> {
         std::array::from_fn(|l| total[l] + terminal[l])
     }
 
-    /// Weights by cost. A draw whose cost is no number has none.
+    /// Weights from costs. Samples with a NaN cost have weight 0.
     fn weigh(&mut self) {
         let known = || self.costs.iter().copied().filter(|c| c.is_finite());
         let least = known().fold(f32::INFINITY, f32::min);
         let count = known().count();
         if count == 0 {
-            // Nothing can be told apart: the plan stays.
+            // All costs are equal: the plan is unchanged.
             self.weights.fill(0.0);
             self.weighing = Weighing { temperature: self.temperature, ..Weighing::default() };
             return;
@@ -294,7 +293,7 @@ impl<const C: usize> Mppi<C> {
         self.temperature = (self.temperature * factor).clamp(TEMPERATURE[0], TEMPERATURE[1]);
     }
 
-    /// Moves the plan to the weighted mean of the draws.
+    /// Moves the plan to the weighted mean of the samples.
     fn average(&mut self) {
         let total: f32 = self.weights.iter().sum();
         if total <= 0.0 {
@@ -316,7 +315,7 @@ impl<const C: usize> Mppi<C> {
     }
 }
 
-/// Nearly normal, mean 0 and standard deviation 1: the sum of four uniform numbers of 16 bits, which takes no logarithm.
+/// An approximately standard normal number: the sum of four uniform numbers of 16 bits, without a logarithm.
 fn normal(rng: &mut Rng) -> f32 {
     let bits = rng.next_u64();
     let sum: u64 = (0..4).map(|i| (bits >> (16 * i)) & 0xffff).sum();

@@ -1,4 +1,4 @@
-//! The core against closed forms.
+//! Compares the implementation with closed forms.
 
 use super::*;
 use crate::{GridFrame, Map, Task};
@@ -47,7 +47,7 @@ fn settings() -> Settings<1> {
 
 #[test]
 fn a_good_proposal_is_taken_and_a_bad_one_is_not() {
-    // Draws lie so close about the plan that the target, 1 m/s for 2 s away, can't be seen from it.
+    // Samples are so close to the plan that the target, 1 m/s for 2 s away, is out of their range.
     let near = Settings { spread: [0.01], ..settings() };
     let cost = Quadratic { target: 2.0, effort: 0.01 };
     let after = |proposal: f32| {
@@ -69,7 +69,7 @@ fn a_plan_is_unfolded_by_its_own_commands() {
     for (k, x) in seen.iter().enumerate() {
         assert!((x - (2.0 + 0.15 * k as f32)).abs() < 1e-5, "{k}: {x}");
     }
-    // A plan that changes: its commands lie on lines between knots.
+    // A varying plan: commands are linear between knots.
     mppi.improve(&Point, &Quadratic { target: 0.0, effort: 0.0 }, &[2.0; LANES]);
     let way: f64 = (0..20).map(|k| 0.1 * mppi.command(0.1 * f64::from(k))[0]).sum();
     let mut end = 0.0;
@@ -79,7 +79,7 @@ fn a_plan_is_unfolded_by_its_own_commands() {
 
 #[test]
 fn a_quadratic_problem_is_solved() {
-    // The least of Σ e u² + (Δt Σ u − t)² over n equal steps has every u = t Δt / (e + n Δt²): all steps alike.
+    // The minimum of Σ e u² + (Δt Σ u − t)² over n equal steps has all u = t Δt / (e + n Δt²).
     let (n, dt, e, t) = (20.0, 0.1, 0.01, 3.0);
     let expected = t * dt / (e + n * dt * dt);
     let mut mppi = Mppi::new(settings(), [0.0], 1);
@@ -87,7 +87,7 @@ fn a_quadratic_problem_is_solved() {
     for _ in 0..200 {
         mppi.improve(&Point, &cost, &[0.0; LANES]);
     }
-    // The mean over the horizon is well determined; single knots move by the noise of the draws.
+    // The mean over the horizon is well determined; single knots vary with the sampling noise.
     let mean = (0..20).map(|k| mppi.command(0.1 * f64::from(k))[0]).sum::<f64>() / 20.0;
     assert!((mean / expected - 1.0).abs() < 0.03, "{mean} {expected}");
     assert!((0..20).all(|k| (mppi.command(0.1 * f64::from(k))[0] / expected - 1.0).abs() < 0.25));

@@ -1,29 +1,29 @@
-//! The file of weights.
+//! The weights file.
 //!
-//! It begins with lines of text, `key: value`, of which the first is `vb-nn: 1`. A line `layer: NAME INPUTS OUTPUTS` announces
-//! a dense layer, and `convolution: NAME PLANES ROWS COLUMNS OUTPUTS KERNEL STRIDE PADDING` a [`Convolution`]. After an empty line come the
-//! layers' numbers in the order of these lines, little-endian with 32 bits: of each layer the weights, in the order of
-//! [`Layer::weights`], then the bias. All other lines are for whoever trained the weights.
+//! It begins with text lines `key: value`, the first of which is `vb-nn: 1`. A line `layer: NAME INPUTS OUTPUTS`
+//! declares a dense layer, and `convolution: NAME PLANES ROWS COLUMNS OUTPUTS KERNEL STRIDE PADDING` a [`Convolution`].
+//! After an empty line follow the layers' numbers in this order as little-endian 32-bit floats: for each layer the
+//! weights, in the order of [`Layer::weights`], then the bias. All other lines are notes of the training program.
 
 use super::{Convolution, FixedNetwork, Layer, Network, Shape};
 
 /// The version of the format.
 const VERSION: &str = "1";
-/// The most numbers that a file may have.
+/// The maximum number of numbers in a file.
 const NUMBERS: usize = 1 << 22;
-/// The most that each size of a convolution may be.
+/// The maximum of each size of a convolution.
 const SIDE: usize = 1024;
 
-/// Networks with what is said of them.
+/// Networks with notes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weights {
-    /// What the file says of them, in its order.
+    /// The notes of the file, in its order.
     pub notes: Vec<(String, String)>,
     /// The layers, in the order of the file.
     pub layers: Vec<Layer>,
 }
 
-/// Why weights can't be used.
+/// The reason why weights are invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WeightsError(String);
 
@@ -46,16 +46,16 @@ fn wrong<T>(text: impl Into<String>) -> Result<T, WeightsError> {
 }
 
 impl Weights {
-    /// Reads a file.
+    /// Parses a file.
     ///
     /// # Errors
-    /// Returns an error if it is of another version, cut off, or has a number that is infinite or none.
+    /// Returns an error for another version, a truncated file, or a number that is not finite.
     pub fn parse(bytes: &[u8]) -> Result<Self, WeightsError> {
         let Some(end) = bytes.windows(2).position(|w| w == b"\n\n") else {
-            return wrong("there is no empty line after the head");
+            return wrong("no empty line ends the header");
         };
         let Ok(head) = std::str::from_utf8(&bytes[..end]) else {
-            return wrong("the head is no text");
+            return wrong("the header is not UTF-8 text");
         };
         let mut numbers =
             bytes[end + 2..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
@@ -67,7 +67,7 @@ impl Weights {
             match (n, key) {
                 (0, "vb-nn") if value == VERSION => {}
                 (0, "vb-nn") => return wrong(format!("format {value} is not supported (only {VERSION} is)")),
-                (0, _) => return wrong("these are no weights: the first line is not \"vb-nn: 1\""),
+                (0, _) => return wrong("not a weights file: the first line is not \"vb-nn: 1\""),
                 (_, "layer" | "convolution") => {
                     let layer = own.layer(key, value, &mut numbers)?;
                     own.layers.push(layer);
@@ -76,12 +76,12 @@ impl Weights {
             }
         }
         if !bytes[end + 2..].len().is_multiple_of(4) || numbers.next().is_some() {
-            return wrong("there are more numbers than the layers have");
+            return wrong("the file contains more numbers than the layers need");
         }
         Ok(own)
     }
 
-    /// A layer that a line of the head announces.
+    /// A layer declared in the header.
     fn layer(
         &self,
         kind: &str,
@@ -114,12 +114,12 @@ impl Weights {
         let (weights, bias) = shape.numbers();
         let count = weights.saturating_add(bias);
         if before.saturating_add(count) > NUMBERS || shape.outputs() > NUMBERS {
-            return wrong(format!("there are more than {NUMBERS} numbers"));
+            return wrong(format!("more than {NUMBERS} numbers"));
         }
         let name = words[0].to_owned();
         let all: Vec<f32> = numbers.take(count).collect();
         if all.len() < count {
-            return wrong(format!("layer {name} is cut off"));
+            return wrong(format!("layer {name} is truncated"));
         }
         if let Some(k) = all.iter().position(|v| !v.is_finite()) {
             return wrong(format!("layer {name}: number {k} is {}", all[k]));
@@ -128,7 +128,7 @@ impl Weights {
         Ok(Layer { name, shape, weights: weights.to_vec(), bias: bias.to_vec() })
     }
 
-    /// The bytes of the file.
+    /// Serialises the file.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
         let mut head = format!("vb-nn: {VERSION}\n");
@@ -148,24 +148,24 @@ impl Weights {
         head.into_bytes().into_iter().chain(*b"\n").chain(numbers.flat_map(|v| v.to_le_bytes())).collect()
     }
 
-    /// What the file says under a key.
+    /// The value of a note.
     #[must_use]
     pub fn note(&self, key: &str) -> Option<&str> {
         self.notes.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
-    /// The network whose layers are called `NAME.0`, `NAME.1` and so on, with so many inputs and outputs.
+    /// The network with the layers `NAME.0`, `NAME.1` and so on, and this number of inputs and outputs.
     ///
     /// # Errors
-    /// Returns an error if it isn't there, its layers don't fit together, or it has other inputs or outputs.
+    /// Returns an error if it does not exist, its layers do not match, or it has other inputs or outputs.
     pub fn network(&self, name: &str, inputs: usize, outputs: usize) -> Result<Network, WeightsError> {
         let named = |k: usize| self.layers.iter().find(|l| l.name == format!("{name}.{k}")).cloned();
         let layers: Vec<Layer> = (0..).map_while(named).collect();
         if layers.is_empty() {
-            return wrong(format!("there is no network {name}"));
+            return wrong(format!("no network {name}"));
         }
         let Some(network) = Network::new(layers) else {
-            return wrong(format!("the layers of {name} don't fit together"));
+            return wrong(format!("the layers of {name} do not match"));
         };
         if (network.inputs(), network.outputs()) != (inputs, outputs) {
             return wrong(format!(
@@ -178,10 +178,10 @@ impl Weights {
         Ok(network)
     }
 
-    /// The same network in fixed point, whose inputs come in parts ([`Network::fixed`]).
+    /// The network in fixed point, with inputs in parts ([`Network::fixed`]).
     ///
     /// # Errors
-    /// Returns an error if it isn't there, doesn't fit, or its weights are too large.
+    /// Returns an error if it does not exist, does not match, or its weights are too large.
     pub fn fixed_network(
         &self,
         name: &str,

@@ -1,43 +1,43 @@
 //! Dense layers in 16-bit fixed point.
 //!
-//! Values are multiples of 1/[`UNIT`] from -16 to 16, and what lies beyond becomes the nearest of these. Products are summed exactly in
-//! 32 bits; each sum is rounded once. A processor multiplies eight pairs of such numbers at once where it multiplies four of single
-//! precision, and a WASM runtime need not look for NaN after each of them, so that a network takes a fraction of the time. Integers
-//! have the same bits everywhere.
+//! Values are multiples of 1/[`UNIT`] from -16 to 16, and saturate. Products are summed exactly in 32 bits; each sum is
+//! rounded once. Processors multiply eight pairs of such numbers at once instead of four floats, and WASM runtimes need
+//! no NaN canonicalisation, so networks are several times as fast. Integer arithmetic is bit-identical on all
+//! platforms.
 
 use wide::bytemuck::cast;
 use wide::{f32x4, i16x8, i32x4, i32x8};
 
 use super::{LANES, LEAK, Lanes, Layer, Network, Shape};
 
-/// What a value of 1 is in fixed point.
+/// The fixed-point representation of 1.
 pub const UNIT: i16 = 2048;
 
-/// The nearest number in fixed point. What is no number becomes the least one.
+/// Converts to fixed point, rounding to nearest. NaN maps to the minimum.
 #[must_use]
 #[inline]
 pub fn to_fixed(value: f32) -> i16 {
-    // Above 0, where the cast rounds down.
+    // Offset to positive values, where the cast rounds down.
     let above = (value * f32::from(UNIT) + 32768.5) as i32;
     (above.clamp(0, 65535) - 32768) as i16
 }
 
-/// The value of a number in fixed point.
+/// Converts from fixed point.
 #[must_use]
 #[inline]
 pub fn from_fixed(fixed: i16) -> f32 {
     f32::from(fixed) * (1.0 / f32::from(UNIT))
 }
 
-/// One value of each of [`LANES`] inputs, in fixed point.
+/// One value for each of [`LANES`] inputs, in fixed point.
 pub type Fixed = [i16; LANES];
 
-/// Two values of each of [`LANES`] inputs, in fixed point: the two of one input lie side by side, as processors multiply them.
+/// Two values for each of [`LANES`] inputs, in fixed point, interleaved for the processor's multiply-add of pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pair([i16x8; 2]);
 
 impl Pair {
-    /// The pair of a first and a second value of each input.
+    /// Interleaves a first and a second value of each input.
     #[must_use]
     #[inline]
     pub fn new(a: Fixed, b: Fixed) -> Self {
@@ -47,10 +47,10 @@ impl Pair {
         ])
     }
 
-    /// The pairs of the values of inputs, an odd last one with 0.
+    /// Interleaves the values of inputs; an odd last value is paired with 0.
     ///
     /// # Panics
-    /// Panics if there is not a pair for every two values.
+    /// Panics if the number of pairs is not half the number of values, rounded up.
     pub fn fill(pairs: &mut [Self], values: &[Lanes]) {
         assert_eq!(pairs.len(), values.len().div_ceil(2), "another number of pairs");
         for (pair, values) in pairs.iter_mut().zip(values.chunks(2)) {
@@ -58,30 +58,30 @@ impl Pair {
         }
     }
 
-    /// The four pairs of eight values in fixed point, which lie together for each input.
+    /// Interleaves eight fixed-point values as four pairs per input.
     #[must_use]
     #[inline]
     pub fn across(values: &[Fixed; LANES]) -> [Self; 4] {
-        // Four inputs' rows of four pairs become four rows of a pair each; they are only moved, as if each pair were a number of 32 bits.
+        // Transposes four inputs' rows of four pairs; each pair is moved as a number of 32 bits.
         let columns = |first: usize| f32x4::transpose(std::array::from_fn(|k| cast(values[first + k])));
         let (low, high) = (columns(0), columns(4));
         std::array::from_fn(|p| Self([cast(low[p]), cast(high[p])]))
     }
 }
 
-/// Outputs that are summed side by side.
+/// Outputs that are summed at once.
 const ROWS: usize = 4;
 
-/// A layer: outputs in groups of [`ROWS`], the last filled up with such that are always 0.
+/// A layer: outputs in groups of [`ROWS`], the last group padded with zeros.
 #[derive(Clone, Debug, PartialEq)]
 struct FixedLayer {
-    /// By group and pair of inputs.
+    /// Indexed by group and input pair.
     weights: Vec<[[i16; 2]; ROWS]>,
-    /// By group: what the sums begin with, with half of what rounding down takes away.
+    /// Indexed by group: the initial sums, with half of the loss of rounding down.
     bias: Vec<[i32; ROWS]>,
-    /// Pairs of inputs.
+    /// Number of input pairs.
     pairs: usize,
-    /// By how many bits the weights are above their values.
+    /// Bits by which the weights are scaled up.
     shift: u32,
 }
 
@@ -93,17 +93,17 @@ pub struct FixedNetwork {
     outputs: usize,
 }
 
-/// Memory for the evaluation of networks in fixed point, so that it isn't allocated each time.
+/// Scratch memory for evaluating fixed-point networks.
 #[derive(Clone, Debug, Default)]
 pub struct FixedScratch([Vec<Pair>; 2]);
 
 impl Network {
-    /// The network in fixed point. Its inputs come in parts with so many values, each of which begins a pair: a part with an odd
-    /// number of values ends with a pair whose second value counts nothing. It returns `None` if a layer is not dense, or has weights so
-    /// large (about 30 000, or 60 000 in sum for an output) that sums may not fit 32 bits.
+    /// Converts the network to fixed point. Its inputs come in parts of these sizes, each of which begins a new pair:
+    /// the last pair of a part of odd size has an unused second value. Returns `None` if a layer is not dense, or its
+    /// weights are so large (about 30 000, or 60 000 in sum for an output) that sums may exceed 32 bits.
     ///
     /// # Panics
-    /// Panics if the parts have not as many values as there are inputs.
+    /// Panics if the parts do not sum to the number of inputs.
     #[must_use]
     pub fn fixed(&self, parts: &[usize]) -> Option<FixedNetwork> {
         assert_eq!(parts.iter().sum::<usize>(), self.inputs(), "another number of inputs");
@@ -119,7 +119,7 @@ impl Network {
 }
 
 impl FixedNetwork {
-    /// Pairs of inputs.
+    /// The number of input pairs.
     #[must_use]
     pub fn pairs(&self) -> usize {
         self.layers.first().map_or(0, |l| l.pairs)
@@ -131,10 +131,11 @@ impl FixedNetwork {
         self.outputs
     }
 
-    /// Evaluates the network for [`LANES`] inputs at once. `output` has one entry for each output, with that of each input.
+    /// Evaluates the network for [`LANES`] inputs at once. `output` has one entry per output, with a value for each
+    /// input.
     ///
     /// # Panics
-    /// Panics if there are not as many entries as pairs of inputs or outputs.
+    /// Panics if the number of entries is not the number of input pairs or outputs.
     pub fn run(&self, input: &[Pair], output: &mut [Fixed], scratch: &mut FixedScratch) {
         assert!(input.len() == self.pairs() && output.len() == self.outputs, "another number of values");
         let FixedScratch([from, to]) = scratch;
@@ -174,7 +175,7 @@ impl FixedLayer {
         for output in 0..layer.bias.len() {
             let (group, row) = (output / ROWS, output % ROWS);
             let unit = f64::from(UNIT);
-            // What rounds down is half too low.
+            // Compensates for rounding down.
             let half = if shift > 0 { 1 << (shift - 1) } else { 0 };
             bias[group][row] = rounded(f64::from(layer.bias[output]), scale * unit) as i32 + half;
             let inputs = layer.shape.inputs();
@@ -202,7 +203,7 @@ impl FixedLayer {
                 sum[1] += high.dot(pair);
             }
         };
-        // Four at a time: a WASM runtime that counts fuel puts all sums into memory and takes them back once a round of a loop.
+        // Four at a time: a fuel-counting WASM runtime spills all sums to memory once per loop iteration.
         let ((weights, last_weights), (input, last)) = (weights.as_chunks::<4>(), input.as_chunks::<4>());
         for (weights, input) in weights.iter().zip(input) {
             weights.iter().zip(input).for_each(|(weights, pair)| add(weights, pair));
@@ -215,14 +216,14 @@ impl FixedLayer {
     }
 }
 
-/// By how many bits the weights of a layer can be raised so that they are 16 bits long and no sum of theirs exceeds 32 bits,
-/// whatever the inputs are; `None` if none of them can.
+/// The maximum number of bits by which the weights of a layer can be scaled up so that they fit 16 bits and no sum
+/// exceeds 32 bits for any input; `None` if no scale fits.
 fn shift(layer: &Layer) -> Option<u32> {
     let fits = |shift: u32| {
         let scale = f64::from(1_u32 << shift);
         let mut rows = layer.weights.chunks(layer.shape.inputs()).zip(&layer.bias);
         rows.all(|(row, bias)| {
-            // Each weight may be half a step larger than it is here; so may the bias, with what is added for rounding.
+            // Each weight may be half a step larger; so may the bias, including its rounding offset.
             let sizes = row.iter().map(|w| f64::from(w.abs()) * scale + 0.5);
             let sum = sizes.clone().sum::<f64>() * 32768.0
                 + (f64::from(bias.abs()) * f64::from(UNIT) + 1.0) * scale

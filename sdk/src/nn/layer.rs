@@ -1,57 +1,57 @@
-//! Layers: dense ones, and convolutions over planes of values.
+//! Layers: dense layers, and convolutions over planes of values.
 
 use super::{LANES, Lanes};
 
-/// A layer: sums of its inputs by weights.
+/// A layer: weighted sums of its inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// The name, `NETWORK.NUMBER`.
     pub name: String,
-    /// Which inputs the sums are over.
+    /// The inputs of the sums.
     pub shape: Shape,
-    /// Of a dense layer, a row of weights of all inputs for each output; of a convolution, for each plane of its output the weights
-    /// of each plane of its input, row by row of the kernel.
+    /// Dense layer: a row of input weights per output. Convolution: for each output plane the kernel of each input
+    /// plane, row by row.
     pub weights: Vec<f32>,
-    /// What is added to each output, or to each plane of them.
+    /// The bias of each output, or of each output plane.
     pub bias: Vec<f32>,
 }
 
-/// Which inputs the sums of a layer are over.
+/// The inputs of a layer's sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// Over all of them.
+    /// All inputs.
     Dense {
         /// The number of inputs.
         inputs: usize,
         /// The number of outputs.
         outputs: usize,
     },
-    /// Over those about a place.
+    /// The neighbourhood of each position.
     Convolution(Convolution),
 }
 
-/// A convolution (in the sense of neural networks: the kernel isn't mirrored) over planes of rows of values. Its inputs and outputs are
-/// planes one after the other, each row by row.
+/// A convolution (as in neural networks: without mirroring the kernel) over planes of rows of values. Inputs and
+/// outputs are planes one after the other, each row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Convolution {
-    /// Planes of the input.
+    /// Input planes.
     pub planes: usize,
-    /// Rows of a plane.
+    /// Rows per plane.
     pub rows: usize,
-    /// Values of a row.
+    /// Values per row.
     pub cols: usize,
-    /// Planes of the output.
+    /// Output planes.
     pub outputs: usize,
-    /// Rows of the kernel, and values of each.
+    /// Rows and columns of the kernel.
     pub kernel: usize,
-    /// By how much the kernel moves from one output to the next.
+    /// Stride of the kernel.
     pub stride: usize,
-    /// Rows and columns of zeros around the input.
+    /// Rows and columns of zero padding.
     pub padding: usize,
 }
 
 impl Convolution {
-    /// Rows and columns of a plane of the output; none if the kernel is larger than the input.
+    /// Rows and columns of an output plane; none if the kernel is larger than the input.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         let along = |n: usize| match (n + 2 * self.padding).checked_sub(self.kernel) {
@@ -81,7 +81,7 @@ impl Shape {
         }
     }
 
-    /// The number of weights, and of what is added to sums.
+    /// The number of weights and of biases.
     #[must_use]
     pub fn numbers(&self) -> (usize, usize) {
         match self {
@@ -90,7 +90,7 @@ impl Shape {
         }
     }
 
-    /// The multiplications for one input.
+    /// Multiplications per input.
     #[must_use]
     pub fn multiplications(&self) -> usize {
         match self {
@@ -101,13 +101,13 @@ impl Shape {
 }
 
 impl Layer {
-    /// A dense layer; its numbers of inputs and outputs are those of the weights and of the bias.
+    /// Creates a dense layer; the numbers of inputs and outputs follow from weights and bias.
     #[must_use]
     pub fn dense(name: impl Into<String>, inputs: usize, weights: Vec<f32>, bias: Vec<f32>) -> Self {
         Self { name: name.into(), shape: Shape::Dense { inputs, outputs: bias.len() }, weights, bias }
     }
 
-    /// Tells whether it has as many numbers as its shape says.
+    /// Whether the numbers of weights and biases match the shape.
     pub(super) fn is_whole(&self) -> bool {
         (self.weights.len(), self.bias.len()) == self.shape.numbers()
     }
@@ -142,7 +142,7 @@ impl Layer {
                 let (top, left) = (k / cols * c.stride, k % cols * c.stride);
                 for (w, weight) in weights.iter().enumerate() {
                     let (from, row, col) = (w / (c.kernel * c.kernel), w / c.kernel % c.kernel, w % c.kernel);
-                    // Rows and columns around the input wrap to large numbers here.
+                    // Padding rows and columns wrap to large numbers here.
                     let (row, col) =
                         ((top + row).wrapping_sub(c.padding), (left + col).wrapping_sub(c.padding));
                     if row < c.rows && col < c.cols {
@@ -157,7 +157,7 @@ impl Layer {
     }
 }
 
-/// Outputs of a dense layer that are summed side by side, so that each input is loaded once for all of them.
+/// Outputs of a dense layer that are summed at once, so that each input is loaded once for all of them.
 const ROWS: usize = 4;
 
 /// The sums of some rows of weights, each in the order of the inputs.
@@ -172,7 +172,7 @@ fn sums<const N: usize>(rows: [&[f32]; N], biases: &[f32; N], x: &[Lanes]) -> [L
             }
         }
     };
-    // Four at a time: a WASM runtime that counts fuel puts all sums into memory and takes them back once a round of a loop.
+    // Four at a time: a fuel-counting WASM runtime spills all sums to memory once per loop iteration.
     let (fours, rest) = x.as_chunks::<4>();
     for (k, four) in fours.iter().enumerate() {
         four.iter().enumerate().for_each(|(i, x)| add(4 * k + i, x));

@@ -1,9 +1,10 @@
-//! Small neural networks in planners: dense layers and convolutions over [`LANES`] inputs side by side, and the file of their weights.
+//! Small neural networks for planners: dense layers and convolutions over [`LANES`] inputs at once, and their weights
+//! file.
 //!
-//! A planner embeds its weights ([`Weights::parse`] of `include_bytes!`), takes its networks from them by name
-//! ([`Weights::network`]) and evaluates them ([`Network::run`]). All arithmetic is in single precision and in a fixed order,
-//! without fused operations, so the same bits come out natively and in WASM. A network that is evaluated thousands of times a step
-//! does so in a fraction of the time in fixed point ([`FixedNetwork`]).
+//! A planner embeds its weights ([`Weights::parse`] of `include_bytes!`), gets its networks by name
+//! ([`Weights::network`]) and evaluates them ([`Network::run`]). Arithmetic is in single precision in a fixed order,
+//! without fused operations, so that results are bit-identical natively and as WASM. Networks that are evaluated
+//! thousands of times per step are several times as fast in fixed point ([`FixedNetwork`]).
 
 mod file;
 mod fixed;

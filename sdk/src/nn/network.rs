@@ -1,25 +1,25 @@
-//! Layers, one after the other.
+//! Networks of consecutive layers.
 
 use super::{LANES, Lanes, Layer};
 
-/// The slope of the activation below 0: between two layers, v becomes v if v ≥ 0 and `LEAK`·v else (Maas et al. 2013, *Rectifier
-/// nonlinearities improve neural network acoustic models*).
+/// The negative slope of the activation between layers: v becomes v if v ≥ 0, otherwise `LEAK`·v (Maas et al. 2013,
+/// *Rectifier nonlinearities improve neural network acoustic models*).
 pub const LEAK: f32 = 0.1;
 
-/// Layers with leaky rectifiers between them; the last one is linear.
+/// Layers with leaky rectifiers between them; the last layer is linear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     layers: Vec<Layer>,
     widest: usize,
 }
 
-/// Memory for the evaluation of networks, so that it isn't allocated each time.
+/// Scratch memory for evaluating networks.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch([Vec<Lanes>; 2]);
 
 impl Network {
-    /// A network of these layers, each of which takes what the one before gives; `None` where they don't fit together, one has not
-    /// as many numbers as its shape says, or there is none.
+    /// Creates a network of these layers; `None` if there is no layer, consecutive layers do not match, or the number
+    /// of values of a layer does not match its shape.
     #[must_use]
     pub fn new(layers: Vec<Layer>) -> Option<Self> {
         let fits = layers.windows(2).all(|l| l[0].shape.outputs() == l[1].shape.inputs())
@@ -46,17 +46,17 @@ impl Network {
         self.layers.last().map_or(0, |l| l.shape.outputs())
     }
 
-    /// The multiplications for one input.
+    /// Multiplications per input.
     #[must_use]
     pub fn multiplications(&self) -> usize {
         self.layers.iter().map(|l| l.shape.multiplications()).sum()
     }
 
-    /// Evaluates the network for [`LANES`] inputs at once: entry i of `input` has input i of each of them. `output` has one
-    /// entry for each output.
+    /// Evaluates the network for [`LANES`] inputs at once: entry i of `input` contains input i of each. `output` has
+    /// one entry per output.
     ///
     /// # Panics
-    /// Panics if there are not as many entries as inputs or outputs.
+    /// Panics if the number of entries is not the number of inputs or outputs.
     pub fn run(&self, input: &[Lanes], output: &mut [Lanes], scratch: &mut Scratch) {
         assert!(input.len() == self.inputs() && output.len() == self.outputs(), "another number of values");
         let Scratch([from, to]) = scratch;
@@ -77,7 +77,7 @@ impl Network {
     }
 }
 
-/// The activation: the greater of v and [`LEAK`]·v.
+/// The activation: the maximum of v and [`LEAK`]·v.
 fn rectify(values: &mut Lanes) {
     for value in values {
         let leak = LEAK * *value;

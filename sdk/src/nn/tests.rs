@@ -1,4 +1,4 @@
-//! Networks against sums by hand.
+//! Compares networks with manual sums.
 
 use super::*;
 
@@ -25,7 +25,7 @@ fn a_network_is_its_sums_with_leaky_rectifiers_between() {
     for (l, value) in output[0].into_iter().enumerate() {
         let x = l as f32;
         let hidden = [x + 6.0 + 0.5, -x + 1.5 - 0.25].map(|v| if v < 0.0 { 0.1 * v } else { v });
-        // All of these are small binary fractions but the leak's.
+        // All values except those after the leak are small binary fractions.
         assert!((value - (2.0 * hidden[0] + 4.0 * hidden[1] + 1.0)).abs() < 1e-5, "{l}: {value}");
     }
 }
@@ -62,12 +62,12 @@ fn what_can_not_be_used_is_refused_with_its_reason() {
         let e = Weights::parse(bytes).unwrap_err().to_string();
         assert!(e.contains(says), "{e}");
     };
-    refused(&bytes[..bytes.len() - 4], "layer net.1 is cut off");
-    refused(&[&bytes[..], &[0; 4]].concat(), "more numbers than the layers have");
-    refused(&[&bytes[..], &[0]].concat(), "more numbers than the layers have");
+    refused(&bytes[..bytes.len() - 4], "layer net.1 is truncated");
+    refused(&[&bytes[..], &[0; 4]].concat(), "more numbers than the layers need");
+    refused(&[&bytes[..], &[0]].concat(), "more numbers than the layers need");
     refused(b"vb-nn: 1\nlayer: a 1 1", "no empty line");
     refused(b"vb-nn: 2\n\n", "format 2 is not supported (only 1 is)");
-    refused(b"PK\x03\x04: x\n\n", "these are no weights");
+    refused(b"PK\x03\x04: x\n\n", "not a weights file");
     refused(b"vb-nn: 1\nlayer: a 0 1\n\n", "layer \"a 0 1\" is not");
     refused(b"vb-nn: 1\nlayer: a 3000000 3000000\n\n", "more than");
     let mut other = weights();
@@ -78,11 +78,11 @@ fn what_can_not_be_used_is_refused_with_its_reason() {
         let e = own.network(name, inputs, outputs).unwrap_err().to_string();
         assert!(e.contains(says), "{e}");
     };
-    refused("other", 2, 1, "there is no network other");
+    refused("other", 2, 1, "no network other");
     refused("net", 3, 1, "net turns 2 inputs into 1 outputs, and not 3 into 1");
     let mut other = weights();
     other.layers[1].shape = Shape::Dense { inputs: 1, outputs: 1 };
-    assert!(other.network("net", 2, 1).unwrap_err().to_string().contains("don't fit together"));
+    assert!(other.network("net", 2, 1).unwrap_err().to_string().contains("do not match"));
 }
 
 /// A network with weights from a normal distribution as training begins with, and inputs of about 1.
@@ -142,7 +142,8 @@ fn a_network_in_fixed_point_gives_nearly_the_same() {
         network.run(&input, &mut exact, &mut Scratch::default());
         fixed.run(&pairs, &mut output, &mut FixedScratch::default());
         for (exact, fixed) in exact.iter().flatten().zip(output.iter().flatten()) {
-            // Each value is off by at most half a step of 1/2048, and about 60 of them with weights of 1/8 by two or three.
+            // Each value is off by at most half a step of 1/2048, and about 60 of them with weights of 1/8 by two or
+            // three.
             assert!(
                 (exact - from_fixed(*fixed)).abs() < 3.0 / 2048.0,
                 "{sizes:?}: {exact} {}",
@@ -154,7 +155,7 @@ fn a_network_in_fixed_point_gives_nearly_the_same() {
 
 #[test]
 fn sums_in_fixed_point_hold_whatever_the_inputs_are() {
-    // Weights and inputs all at their greatest: the sum would be 120 times 15.99 times 16, and stays at the end of the scale.
+    // Weights and inputs at their maximum: the sum would be 120 times 15.99 times 16, and saturates.
     let network = Network::new(vec![layer("big", 120, &[15.99; 240], &[3.0, -3.0])]).unwrap();
     let fixed = network.fixed(&[120]).unwrap();
     for (value, end) in [(100.0, i16::MAX), (-100.0, i16::MIN)] {

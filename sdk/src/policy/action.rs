@@ -1,4 +1,4 @@
-//! What a policy does: a few numbers, and the command that they stand for.
+//! Actions of a policy: a few numbers, and the command that they represent.
 
 use crate::speed::SpeedKeeper;
 use crate::{Command, Gear, Observation, Task};
@@ -8,35 +8,35 @@ use crate::{Command, Gear, Observation, Task};
 pub struct Dimension {
     /// The name of the number.
     pub name: &'static str,
-    /// The least value.
+    /// The minimum.
     pub low: f64,
-    /// The greatest value.
+    /// The maximum.
     pub high: f64,
-    /// What it means, in words.
+    /// Its meaning, in words.
     pub about: &'static str,
 }
 
-/// The greatest change of the steering by one action of [`ActionKind::Rate`]: from lock to lock in ten actions.
+/// The maximum change of the steering per action of [`ActionKind::Rate`]: lock to lock in ten actions.
 pub const STEERING_STEP: f64 = 0.2;
 
-/// What the numbers of an action are.
+/// The meaning of an action's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ActionKind {
-    /// Steering and speed, both in [-1, 1]. Speed −1 stands for `slowest` and 1 for `fastest`, with all between in
-    /// proportion; a controller keeps it by throttle and brake ([`SpeedKeeper`]), in the reverse gear if it is negative.
+    /// Steering and speed, both in [-1, 1]. The speed maps linearly from −1 (`slowest`) to 1 (`fastest`); a controller
+    /// tracks it with throttle and brake ([`SpeedKeeper`]), in the reverse gear if it is negative.
     Speed {
-        /// The speed at −1, m/s of a full-size vehicle; negative in reverse. It is multiplied by the root of the scale.
+        /// The speed at −1, m/s at full scale; negative in reverse. It scales with the root of the scale.
         slowest: f64,
-        /// The speed at 1, m/s of a full-size vehicle.
+        /// The speed at 1, m/s at full scale.
         fastest: f64,
     },
-    /// As [`Self::Speed`], but the first number, in [-1, 1], is by how much the steering changes, as a part of [`STEERING_STEP`].
-    /// Noise on it makes the vehicle wander, where noise on the steering itself cancels out within a second: a learner that explores
-    /// by noise comes to other lines through rough ground.
+    /// Like [`Self::Speed`], but the first number, in [-1, 1], is the change of the steering as a fraction of
+    /// [`STEERING_STEP`]. Exploration noise then accumulates and leads to other paths, whereas noise on the steering
+    /// itself averages out within a second.
     Rate {
-        /// The speed at −1, m/s of a full-size vehicle; negative in reverse. It is multiplied by the root of the scale.
+        /// The speed at −1, m/s at full scale; negative in reverse. It scales with the root of the scale.
         slowest: f64,
-        /// The speed at 1, m/s of a full-size vehicle.
+        /// The speed at 1, m/s at full scale.
         fastest: f64,
     },
     /// Steering in [-1, 1], throttle and brake in [0, 1], and the gear: reverse below −1/3, forward above 1/3, else neutral.
@@ -51,18 +51,18 @@ impl Default for ActionKind {
 }
 
 const STEERING: Dimension =
-    Dimension { name: "steering", low: -1.0, high: 1.0, about: "the steering, positive to the left" };
+    Dimension { name: "steering", low: -1.0, high: 1.0, about: "steering, positive to the left" };
 const CHANGE: Dimension = Dimension {
     name: "change",
     low: -1.0,
     high: 1.0,
-    about: "by how much the steering changes, as a part of 0.2, positive to the left",
+    about: "change of the steering as a fraction of 0.2, positive to the left",
 };
 const SPEED: Dimension = Dimension {
     name: "speed",
     low: -1.0,
     high: 1.0,
-    about: "the speed to keep, from the slowest at -1 to the fastest at 1",
+    about: "target speed, linear from the minimum at -1 to the maximum at 1",
 };
 
 impl ActionKind {
@@ -74,32 +74,32 @@ impl ActionKind {
             Self::Rate { .. } => &[CHANGE, SPEED],
             Self::Pedals => &[
                 STEERING,
-                Dimension { name: "throttle", low: 0.0, high: 1.0, about: "the throttle" },
-                Dimension { name: "brake", low: 0.0, high: 1.0, about: "the brake" },
+                Dimension { name: "throttle", low: 0.0, high: 1.0, about: "throttle" },
+                Dimension { name: "brake", low: 0.0, high: 1.0, about: "brake" },
                 Dimension {
                     name: "gear",
                     low: -1.0,
                     high: 1.0,
-                    about: "the gear: reverse below -1/3, forward above 1/3, else neutral",
+                    about: "gear: reverse below -1/3, forward above 1/3, otherwise neutral",
                 },
             ],
         }
     }
 }
 
-/// Turns actions into commands. It remembers what its speed controller has to remember, so it serves one task.
+/// Converts actions to commands. It contains the state of the speed controller, and serves one task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
     kind: ActionKind,
     keeper: SpeedKeeper,
     pace: f64,
     period: f64,
-    /// The last forward speed that was measured, m/s.
+    /// The last measured forward speed, m/s.
     speed: f64,
 }
 
 impl Actuator {
-    /// An actuator for a task.
+    /// Creates an actuator for a task.
     #[must_use]
     pub fn new(kind: ActionKind, task: &Task) -> Self {
         let scale = task.vehicle.scale;
@@ -112,8 +112,8 @@ impl Actuator {
         }
     }
 
-    /// The command for an action, with the observation that it answers. Numbers out of range are limited to it; missing ones
-    /// count as 0.
+    /// The command for an action, with the observation that it responds to. Numbers are clamped to their ranges;
+    /// missing numbers are 0.
     pub fn command(&mut self, action: &[f64], observation: &Observation) -> Command {
         if let Some(pose) = &observation.pose {
             self.speed = pose.linear_velocity.x;

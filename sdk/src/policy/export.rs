@@ -1,17 +1,18 @@
-//! The macro that makes a plugin of a policy's weights.
+//! The macro that exports a policy's weights as a plugin.
 
-/// Exports a policy whose weights are in a file as a plugin of its own.
+/// Exports a policy with an embedded weights file as a plugin.
 ///
-/// `weights` are the bytes of a file that `python -m vertibench.training export` has written, which is read when a task begins;
-/// `model` is a constant text that tells where they come from, for the plugin's metadata. A policy that sees what takes a sensor
-/// beside the pose is written by hand, with [`Trained`](crate::policy::Trained) and [`export_planner!`](crate::export_planner).
+/// `weights` are the bytes of a file from `python -m vertibench.training export`, parsed at the start of a task;
+/// `model` is a constant text with their origin, for the plugin's metadata. A policy that observes a sensor other than
+/// the pose needs a custom planner with [`Trained`](crate::policy::Trained) and
+/// [`export_planner!`](crate::export_planner).
 ///
 /// ```
 /// vb_sdk::export_policy! {
 ///     name: "hill-fox",
-///     about: "Has learned to drive over hills",
+///     about: "End-to-end policy, trained on hills",
 ///     weights: b"vb-nn: 1\n\n",
-///     model: "none yet",
+///     model: "none",
 /// }
 /// ```
 #[macro_export]
@@ -25,7 +26,7 @@ macro_rules! export_policy {
             models: [$model],
         }
 
-        /// The planner: a policy by its weights.
+        /// The planner: a policy with its weights.
         pub struct Policy {
             task: $crate::Task,
             policy: $crate::policy::Trained,

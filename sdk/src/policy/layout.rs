@@ -1,47 +1,47 @@
-//! The parts of which an observation can be made, with shapes, units and bounds: the one list of them.
+//! The parts of observations, with shapes, units and bounds: the single list of them.
 
 use crate::crop::Window;
 use crate::metadata::{Need, Sensor};
 use crate::{PlannerError, Task};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The kind of number that a part has.
+/// The data type of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dtype {
-    /// Numbers of 32 bits.
+    /// 32-bit floats.
     F32,
     /// Labels from 0 to 255.
     U8,
 }
 
-/// What a number of a part may be.
+/// The range of a number of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// The name; empty for the numbers of a grid.
     pub name: &'static str,
-    /// The unit; empty where there is none.
+    /// The unit; empty for dimensionless numbers.
     pub unit: &'static str,
-    /// The least value; −∞ where there is none.
+    /// The minimum; −∞ if unbounded.
     pub low: f64,
-    /// The greatest value; ∞ where there is none.
+    /// The maximum; ∞ if unbounded.
     pub high: f64,
-    /// The size that it usually has, by which it is divided for the flat observation.
+    /// The normalisation scale, by which the number is divided in the flat observation.
     pub usual: f64,
 }
 
-/// The sizes of what is seen of the surroundings. Lengths are those of the full-size world and are multiplied by a world's
-/// scale.
+/// The observation window: the sizes of crops and of the path ahead. Lengths are at full scale and are multiplied by a
+/// world's scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// The number of rows, and of columns, of crops of maps.
+    /// The number of rows, and of columns, of map crops.
     pub cells: usize,
     /// The distance between neighbouring samples of a crop, m.
     pub resolution: f64,
-    /// The distance by which the middle of a crop lies ahead of the vehicle, m.
+    /// The distance from the vehicle to the centre of a crop, m, positive ahead.
     pub ahead: f64,
-    /// The number of points of the path ahead.
+    /// The number of path points ahead.
     pub points: usize,
-    /// The distance between two of them along the path, m.
+    /// The distance between path points along the path, m.
     pub spacing: f64,
 }
 
@@ -75,7 +75,7 @@ impl Sight {
     }
 }
 
-/// How a part's numbers follow from what was seen.
+/// The source of a part's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fill {
     State,
@@ -96,14 +96,14 @@ pub(super) enum Fill {
     DepthLabels,
 }
 
-/// A kind of part: what [`Layout::new`] takes by its name.
+/// A kind of part, identified by its name in [`Layout::new`].
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// The name by which [`Layout::new`] takes it.
+    /// The name in [`Layout::new`].
     pub name: &'static str,
-    /// What it is, in words.
+    /// Its meaning, in words.
     pub about: &'static str,
-    /// The sensor that it takes, beside the pose, which every part may use.
+    /// The sensor that it needs in addition to the pose, which all parts may use.
     pub sensor: Option<Sensor>,
     pub(super) fill: Fill,
 }
@@ -118,62 +118,57 @@ pub const PARTS: [Kind; 16] = [
         "state",
         None,
         Fill::State,
-        "Attitude, velocity and angular velocity in body axes (x forward, y left, z up), steering that the wheels have, speed of the engine, and the gear that is in (-1 reverse, 0 neutral, 1 forward)",
+        "Attitude, velocity and angular velocity in body axes (x forward, y left, z up), wheel steering, engine speed, and engaged gear (-1 reverse, 0 neutral, 1 forward)",
     ),
     kind(
         "pose",
         None,
         Fill::Pose,
-        "Position of the reference point in the world (x east, y north, z up) and heading",
+        "Position of the reference point in the world frame (x east, y north, z up) and heading",
     ),
-    kind("goal", None, Fill::Goal, "The goal, as seen from the vehicle along its heading"),
+    kind("goal", None, Fill::Goal, "Goal in the vehicle's heading frame (x forward, y left)"),
     kind(
         "path",
         None,
         Fill::Path,
-        "Points of the global path ahead at equal distances along it, as seen from the vehicle along its heading; the goal where the path has ended",
+        "Points ahead on the global path at equal distances, in the vehicle's heading frame (x forward, y left); the goal after the end of the path",
     ),
     kind(
         "wheels",
         Some(Sensor::WheelOdometry),
         Fill::Wheels,
-        "Of each wheel, front to back, left before right: angular velocity, and suspension travel, positive in compression",
+        "Angular velocity, and suspension travel, positive in compression, of each wheel, front to back, left before right",
     ),
-    kind(
-        "command",
-        None,
-        Fill::LastCommand,
-        "The command that holds until now: steering, throttle and brake",
-    ),
+    kind("command", None, Fill::LastCommand, "Current command: steering, throttle and brake"),
     kind(
         "height",
         None,
         Fill::Height,
-        "Heights of the ground on a square that turns with the vehicle's heading, less the height of the ground under its reference point; row 0 is the rearmost, column 0 the rightmost; from the map that the task comes with",
+        "Terrain heights on a square aligned with the vehicle's heading, relative to the terrain height under its reference point; row 0 is the rearmost, column 0 the rightmost; from the task's elevation map",
     ),
     kind(
         "class",
         None,
         Fill::Class,
-        "Kinds of ground on that square: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow, 10 obstacle, 255 beyond the world",
+        "Terrain classes on that square: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock, 6 wood, 7 mud, 8 sand, 9 snow, 10 obstacle, 255 outside the world",
     ),
     kind(
         "friction",
         None,
         Fill::Friction,
-        "The usual friction coefficient of those kinds of ground; 0 where the ground yields, at obstacles and beyond the world",
+        "Mean friction coefficient of those terrain classes; 0 on deformable terrain, at obstacles and outside the world",
     ),
     kind(
         "local_height",
         Some(Sensor::LocalMap),
         Fill::LocalHeight,
-        "As height, from the map of the surroundings that lidar and camera build; 0 where nothing was seen",
+        "As height, from the local map of lidar and camera; 0 for unknown cells",
     ),
     kind(
         "local_class",
         Some(Sensor::LocalMap),
         Fill::LocalClass,
-        "As class, from the map of the surroundings; 255 where nothing was seen",
+        "As class, from the local map; 255 for unknown cells",
     ),
     kind(
         "imu",
@@ -181,24 +176,24 @@ pub const PARTS: [Kind; 16] = [
         Fill::Imu,
         "Means of specific force and angular velocity in body axes since the last observation",
     ),
-    kind("gnss", Some(Sensor::Gnss), Fill::Gnss, "The last position from satellites, in the world"),
+    kind("gnss", Some(Sensor::Gnss), Fill::Gnss, "Last GNSS position, in the world frame"),
     kind(
         "lidar",
         Some(Sensor::Lidar),
         Fill::Lidar,
-        "Distances of the last turn of the lidar, lowest beam first, counter-clockwise from straight behind; 0 where nothing came back",
+        "Distances of the last lidar scan, lowest beam first, counter-clockwise from straight behind; 0 without an echo",
     ),
     kind(
         "depth",
         Some(Sensor::Depth),
         Fill::Depth,
-        "The last image of the depth camera, topmost row and leftmost column first; 0 where nothing was measured",
+        "Last image of the depth camera, topmost row and leftmost column first; 0 without a measurement",
     ),
     kind(
         "depth_labels",
         Some(Sensor::Depth),
         Fill::DepthLabels,
-        "Kinds of ground of that image's pixels, as class has them; 255 where nothing was measured",
+        "Terrain classes of that image's pixels, as in class; 255 without a measurement",
     ),
 ];
 
@@ -207,13 +202,13 @@ pub const PARTS: [Kind; 16] = [
 pub struct Part {
     /// The name of its [`Kind`].
     pub name: &'static str,
-    /// What it is, in words.
+    /// Its meaning, in words.
     pub about: &'static str,
-    /// The kind of its numbers.
+    /// The data type of its numbers.
     pub dtype: Dtype,
     /// The shape: `[n]` for a vector, `[n, 2]` for points or wheels, `[rows, cols]` for a grid.
     pub shape: Vec<usize>,
-    /// What the numbers may be: one for each of the innermost axis, or a single one for all.
+    /// The ranges of its numbers: one for each entry of the innermost axis, or a single one for all.
     pub entries: Vec<Entry>,
     pub(super) fill: Fill,
 }
@@ -234,14 +229,14 @@ impl Part {
         )
     }
 
-    /// What the number at an index may be.
+    /// The range of the number at an index.
     #[must_use]
     pub fn entry(&self, index: usize) -> &Entry {
         &self.entries[index % self.entries.len()]
     }
 }
 
-/// The parts that an observation has, in order.
+/// The parts of an observation, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     parts: Vec<Part>,
@@ -296,27 +291,25 @@ const FRICTION: [Entry; 1] = [Entry { name: "", unit: "", low: 0.0, high: 1.0, u
 const RANGE: [Entry; 1] = [Entry { name: "", unit: "m", low: 0.0, high: ANY, usual: 20.0 }];
 
 impl Layout {
-    /// The bound of the numbers of a flat observation.
+    /// The bound of the numbers in a flat observation.
     pub const FLAT_BOUND: f32 = 5.0;
 
-    /// A layout of the named parts, for tasks that are like this one in vehicle and perception.
+    /// Creates a layout of the named parts, for tasks with the same vehicle and perception profile.
     ///
     /// # Errors
-    /// Returns an error for a name that there isn't, or is there twice, for a size that makes no sense, and for a part of what
-    /// the task's perception doesn't give.
+    /// Returns an error for an unknown or duplicate name, an invalid size, and a part that needs data omitted by the
+    /// task's perception profile.
     pub fn new(names: &[impl AsRef<str>], sight: Sight, task: &Task) -> Result<Self, PlannerError> {
         sight.check()?;
         if names.is_empty() {
-            return Err("an observation takes one part at least".into());
+            return Err("an observation needs at least one part".into());
         }
         let mut parts: Vec<Part> = Vec::new();
         for name in names {
             let name = name.as_ref();
             let Some(kind) = PARTS.iter().find(|k| k.name == name) else {
                 let known = PARTS.map(|k| k.name).join(", ");
-                return Err(
-                    format!("there is no part {name} of an observation (take some of {known})").into()
-                );
+                return Err(format!("no part {name} of an observation (parts: {known})").into());
             };
             if parts.iter().any(|p| p.name == name) {
                 return Err(format!("the part {name} of the observation is named twice").into());
@@ -326,7 +319,7 @@ impl Layout {
         Ok(Self { parts, sight })
     }
 
-    /// The sensors that the named parts take. The pose is always among them; names that there aren't are passed over.
+    /// The sensors of the named parts. The pose is always included; unknown names are ignored.
     #[must_use]
     pub fn needs(names: &[impl AsRef<str>]) -> Vec<Need> {
         let mut needs = vec![Need { sensor: Sensor::Pose, rate: None }];
@@ -338,24 +331,24 @@ impl Layout {
         needs
     }
 
-    /// The parts, in the order in which they were named.
+    /// The parts, in the given order.
     #[must_use]
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// The sizes of what is seen of the surroundings.
+    /// The observation window.
     #[must_use]
     pub fn sight(&self) -> &Sight {
         &self.sight
     }
 
-    /// The parts of a flat observation: those of 32-bit numbers, in order.
+    /// The parts of a flat observation: those of 32-bit floats, in order.
     pub fn flat_parts(&self) -> impl Iterator<Item = (usize, &Part)> {
         self.parts.iter().enumerate().filter(|(_, p)| p.dtype == Dtype::F32)
     }
 
-    /// The number of numbers of a flat observation.
+    /// The size of a flat observation.
     #[must_use]
     pub fn flat_width(&self) -> usize {
         self.flat_parts().map(|(_, p)| p.width()).sum()
@@ -365,8 +358,7 @@ impl Layout {
 fn part(kind: &Kind, sight: &Sight, task: &Task) -> Result<Part, PlannerError> {
     let missing = |what: &str| {
         let (name, profile) = (kind.name, &task.perception);
-        Err(format!("the part {name} takes {what}, which the perception profile {profile} doesn't give")
-            .into())
+        Err(format!("the part {name} needs {what}, which the perception profile {profile} omits").into())
     };
     let f32s = |shape: Vec<usize>, entries: &[Entry]| (Dtype::F32, shape, entries.to_vec());
     let crop = vec![sight.cells, sight.cells];
@@ -378,9 +370,9 @@ fn part(kind: &Kind, sight: &Sight, task: &Task) -> Result<Part, PlannerError> {
         Fill::Path => f32s(vec![sight.points, 2], &POINT),
         Fill::Wheels => f32s(vec![wheels, 2], &WHEEL),
         Fill::LastCommand => f32s(vec![COMMAND.len()], &COMMAND),
-        Fill::Height if task.elevation.is_none() => return missing("a map of heights"),
+        Fill::Height if task.elevation.is_none() => return missing("an elevation map"),
         Fill::Class | Fill::Friction if task.semantics.is_none() => {
-            return missing("a map of kinds of ground");
+            return missing("a map of terrain classes");
         }
         Fill::Height | Fill::LocalHeight => f32s(crop, &HEIGHT),
         Fill::Class | Fill::LocalClass => (Dtype::U8, crop, CLASS.to_vec()),

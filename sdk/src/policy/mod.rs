@@ -1,9 +1,9 @@
-//! What a learned policy sees and does, as arrays of numbers.
+//! Observations and actions of a learned policy as arrays.
 //!
-//! A policy is trained in an environment and drives as a plugin. Both must see the same numbers and mean the same by an
-//! action, so both use this module: the environments of the harness fill their arrays by an [`Observer`] and turn actions
-//! into commands by an [`Actuator`], and so does a plugin that carries the policy. All that an observer uses is what any
-//! planner is told ([`Task`](crate::Task)) and sees ([`Observation`](crate::Observation)).
+//! A policy is trained in an environment and runs as a plugin. Both must use identical observations and actions, so
+//! both use this module: environments and plugins fill observations with an [`Observer`] and convert actions to
+//! commands with an [`Actuator`]. An observer uses only data of the planner interface ([`Task`](crate::Task),
+//! [`Observation`](crate::Observation)).
 //!
 //! ```
 //! use vb_sdk::policy::{ActionKind, Actuator, Layout, Observer, Sight};
@@ -22,7 +22,7 @@
 //! # Ok::<(), vb_sdk::PlannerError>(())
 //! ```
 //!
-//! A policy whose networks are in a file of weights ([`crate::nn`]) needs [`Trained`] alone.
+//! A policy with networks in a weights file ([`crate::nn`]) needs only [`Trained`].
 
 mod action;
 mod export;

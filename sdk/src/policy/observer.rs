@@ -1,4 +1,4 @@
-//! What a policy sees.
+//! Observations of a policy.
 
 use super::layout::{Fill, Layout, Part};
 use crate::crop::Window;
@@ -8,34 +8,34 @@ use crate::{
     Wheel, math,
 };
 
-/// The usual friction coefficient of each kind of ground, by its label: the means of the generator's rules
-/// (`tasks/generator/default.yaml`), and 0 for mud, sand and snow, which yield.
+/// Mean friction coefficient of each terrain class, by label, from the generator's rules
+/// (`tasks/generator/default.yaml`); 0 for mud, sand and snow, which are deformable.
 const USUAL_FRICTION: [f32; 10] = [0.60, 0.85, 0.60, 0.36, 0.55, 0.65, 0.45, 0.0, 0.0, 0.0];
 /// The label of an obstacle.
 const OBSTACLE: u8 = 10;
-/// The label beyond the world, and of what is not known.
+/// The label outside the world, and of unknown cells.
 const UNKNOWN: u8 = 255;
-/// How far ahead of its progress along the path the vehicle is looked for, m at scale 1.
+/// Search window for the vehicle's progress along the path, m at scale 1.
 const WINDOW: f64 = 8.0;
 
-/// Where the numbers of a part go.
+/// The destination of a part's numbers.
 #[derive(Debug)]
 pub enum Row<'a> {
-    /// Of a part of [`Dtype::F32`](super::Dtype::F32).
+    /// For a part of [`Dtype::F32`](super::Dtype::F32).
     F32(&'a mut [f32]),
-    /// Of a part of [`Dtype::U8`](super::Dtype::U8).
+    /// For a part of [`Dtype::U8`](super::Dtype::U8).
     U8(&'a mut [u8]),
 }
 
-/// Keeps what was seen last, and makes arrays of it. It serves one task.
+/// Stores the last measurements, and converts them to arrays. It serves one task.
 #[derive(Clone, Debug)]
 pub struct Observer {
     follower: Follower,
-    /// The place of the vehicle among its surroundings.
+    /// The position of the vehicle on the maps.
     window: Window,
     spacing: f64,
     pose: Pose,
-    /// What vehicle and engine are told to do, and do.
+    /// Commands and state of vehicle and engine.
     steering: f64,
     engine_speed: f64,
     gear: Gear,
@@ -49,14 +49,14 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// An observer of a task, for arrays of this layout.
+    /// Creates an observer of a task, for arrays of this layout.
     ///
     /// # Errors
-    /// Returns an error if the task's path can't be followed.
+    /// Returns an error for an invalid path of the task.
     pub fn new(task: &Task, layout: &Layout) -> Result<Self, PlannerError> {
         let (sight, scale) = (layout.sight(), task.vehicle.scale);
         let mut points = task.path.clone();
-        // The path's last point may lie a little before the goal.
+        // The path's last point may be slightly before the goal.
         points.push(task.goal);
         Ok(Self {
             follower: Follower::new(Path::new(&points)?, WINDOW * scale),
@@ -76,8 +76,8 @@ impl Observer {
         })
     }
 
-    /// Takes in an observation. What has not been measured since the last one stays as it was; only the measurements of the
-    /// inertial unit are those of the latest observation that has any.
+    /// Updates the measurements. Values without a new measurement are unchanged; the IMU means are those of the latest
+    /// observation with IMU measurements.
     pub fn look(&mut self, observation: &Observation) {
         let o = observation;
         if let Some(pose) = o.pose {
@@ -106,14 +106,14 @@ impl Observer {
         }
     }
 
-    /// The length of the way along the path that is left from the vehicle's progress, m.
+    /// The remaining length of the path after the vehicle's progress, m.
     #[must_use]
     pub fn remaining(&self) -> f64 {
         self.follower.remaining()
     }
 
-    /// Writes the numbers of a part. What was never measured is 0, or unknown. A row that is too short takes the first
-    /// numbers, and one of another kind of numbers none.
+    /// Writes the numbers of a part. Numbers without a measurement are 0 or unknown. A row that is too short takes the
+    /// first numbers, and a row of another type none.
     pub fn fill(&self, task: &Task, part: &Part, row: Row<'_>) {
         match row {
             Row::F32(to) => self.numbers(task, part, to),
@@ -121,8 +121,8 @@ impl Observer {
         }
     }
 
-    /// Writes a flat observation: of all parts of 32-bit numbers in order, each number divided by what it usually is
-    /// ([`Entry::usual`](super::Entry::usual)) and limited to ±[`Layout::FLAT_BOUND`].
+    /// Writes a flat observation: all parts of 32-bit floats in order, each number divided by its normalisation scale
+    /// ([`Entry::usual`](super::Entry::usual)) and clamped to ±[`Layout::FLAT_BOUND`].
     pub fn flat(&self, task: &Task, layout: &Layout, to: &mut [f32]) {
         let mut at = 0;
         for (_, part) in layout.flat_parts() {
@@ -147,11 +147,7 @@ impl Observer {
         match part.fill {
             Fill::State => {
                 let (v, w) = (p.linear_velocity, p.angular_velocity);
-                let gear = match self.gear {
-                    Gear::Reverse => -1.0,
-                    Gear::Neutral => 0.0,
-                    Gear::Forward => 1.0,
-                };
+                let gear = self.gear.direction();
                 let moving = [p.roll, p.pitch, v.x, v.y, v.z, w.x, w.y, w.z];
                 write(&mut moving.into_iter().chain([self.steering, self.engine_speed, gear]));
             }
@@ -228,14 +224,14 @@ impl Observer {
         }
     }
 
-    /// A point of the world as seen from the vehicle along its heading: metres forward and to the left.
+    /// A point of the world in the vehicle's heading frame: metres forward and to the left.
     fn seen(&self, point: Point2) -> [f64; 2] {
         let (sin, cos) = math::sin_cos(self.pose.yaw);
         let (dx, dy) = (point.x - self.pose.position.x, point.y - self.pose.position.y);
         [cos * dx + sin * dy, cos * dy - sin * dx]
     }
 
-    /// The places of a crop's samples in the world, row after row.
+    /// The positions of a crop's samples in the world, row by row.
     fn places(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let (window, at) = (self.window, self.pose.position);
         let (sin, cos) = math::sin_cos(self.pose.yaw);
@@ -257,7 +253,7 @@ impl Observer {
     }
 }
 
-/// The label of the ground at a place, by the maps that the task comes with.
+/// The terrain class at a position, from the task's maps.
 fn class(task: &Task, [x, y]: [f64; 2]) -> u8 {
     let half = task.half_extent;
     let Some(map) = task.semantics.as_ref().filter(|m| !m.data.is_empty()) else { return UNKNOWN };
@@ -274,7 +270,7 @@ fn friction(task: &Task, at: [f64; 2]) -> f32 {
     USUAL_FRICTION.get(usize::from(class(task, at))).copied().unwrap_or(0.0)
 }
 
-/// Copies what there is, and fills up the rest.
+/// Copies the available numbers, and fills the rest.
 fn copy<T: Copy>(from: Option<&[T]>, to: &mut [T], rest: T) {
     let from = from.unwrap_or_default();
     let n = from.len().min(to.len());

@@ -137,16 +137,15 @@ fn layouts_refuse_what_makes_no_sense_and_say_what_there_is() {
     let task = example_task();
     let told = |names: &[&str], sight: Sight| Layout::new(names, sight, &task).unwrap_err().to_string();
     assert!(
-        told(&["hight"], Sight::default())
-            .contains("no part hight of an observation (take some of state, pose")
+        told(&["hight"], Sight::default()).contains("no part hight of an observation (parts: state, pose")
     );
     assert!(told(&["state", "state"], Sight::default()).contains("state of the observation is named twice"));
-    assert!(told(&[], Sight::default()).contains("one part at least"));
+    assert!(told(&[], Sight::default()).contains("at least one part"));
     let sight = Sight { cells: 1, ..Sight::default() };
     assert_eq!(told(&["height"], sight), "sight: cells: 1 must lie in 2 to 256");
     let blind = Task { elevation: None, perception: "onboard".into(), ..example_task() };
     let e = Layout::new(&["height"], Sight::default(), &blind).unwrap_err().to_string();
-    assert!(e.contains("height takes a map of heights, which the perception profile onboard"), "{e}");
+    assert!(e.contains("height needs an elevation map, which the perception profile onboard"), "{e}");
 }
 
 #[test]
@@ -290,7 +289,7 @@ fn weights_that_are_no_policy_are_refused_with_the_note_that_is_wrong() {
     };
     for (key, value, wanted) in [
         ("parts", "missing", "weights: parts: the note is missing"),
-        ("parts", "goal heights class", "there is no part heights"),
+        ("parts", "goal heights class", "no part heights"),
         ("parts", "goal height", "eyes turns 8 inputs"),
         ("parts", "height class", "head turns 3 inputs"),
         ("sight", "2 1 0 10", "weights: sight: \"2 1 0 10\" is not cells, resolution"),

@@ -1,48 +1,48 @@
-//! Policies whose networks were trained in an environment.
+//! Policies with networks that were trained in an environment.
 
 use super::{ActionKind, Actuator, Dtype, Layout, Observer, Part, Row, Sight};
 use crate::nn::{LANES, Lanes, Network, Scratch, Weights};
 use crate::{Command, Observation, PlannerError, Task, math};
 
-/// The control rate for which policies are trained, Hz.
+/// The control rate of trained policies, Hz.
 const CONTROL_HZ: &str = "10";
-/// The slope of the activation after the convolution, which is that of [`Network`].
+/// The negative slope of the activation after the convolution, as in [`Network`].
 const LEAK: f32 = crate::nn::LEAK;
 
-/// What a file of weights says of the policy that it is for, in its notes.
+/// The specification of a policy in the notes of its weights file.
 ///
 /// - `parts`: the names of the parts of an observation, with blanks between them;
-/// - `sight`: cells, resolution, ahead, points and spacing of [`Sight`];
-/// - `labels`: the labels of which planes are made, one for each label and each part of labels: 1 where the label is, else 0;
+/// - `sight`: the observation window: cells, resolution, ahead, points and spacing of [`Sight`];
+/// - `labels`: the labels with one-hot planes, for each part of labels: 1 at cells with the label, otherwise 0;
 /// - `action`: `speed SLOWEST FASTEST`, `rate SLOWEST FASTEST` or `pedals` ([`ActionKind`]);
 /// - `control_hz`: 10;
-/// - `relief`, where there is one: by what the relief of each crop of heights is multiplied, which then is a plane of its own behind
-///   it. The relief is what a height is above the mean of the 5 × 5 heights around it, where the outermost ones go on beyond the
-///   edge: a ledge that stops a wheel stands out of it, which is little beside a hill;
-/// - `squash`, where there is one: `tanh`, by which what the networks give becomes an action.
+/// - `relief` (optional): the factor of the relief of each crop of heights, which then is an additional plane after it.
+///   The relief is the height above the mean of the 5 × 5 heights around it, with the edge replicated: it emphasises
+///   steps, which are small compared with hills;
+/// - `squash` (optional): `tanh`, which maps the network outputs to actions.
 ///
 /// `python -m vertibench.training export` writes such files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolicySpec {
     /// The names of the parts of an observation.
     pub parts: Vec<String>,
-    /// The sizes of crops and path for which the networks were trained.
+    /// The observation window of the training.
     pub sight: Sight,
-    /// The labels, each of which becomes a plane of 0 and 1.
+    /// The labels with one-hot planes.
     pub labels: Vec<u8>,
-    /// What an action means.
+    /// The meaning of an action.
     pub action: ActionKind,
-    /// By what the relief of heights is multiplied; `None` if it is no plane.
+    /// The factor of the relief; `None` without relief planes.
     pub relief: Option<f32>,
-    /// Whether the networks' outputs become actions by the hyperbolic tangent.
+    /// Whether the network outputs are mapped to actions with the hyperbolic tangent.
     pub is_squashed: bool,
 }
 
 impl PolicySpec {
-    /// Reads what a file of weights says of its policy.
+    /// Parses the specification from a weights file.
     ///
     /// # Errors
-    /// Returns an error that names the note that is missing or wrong.
+    /// Returns an error that names the missing or invalid note.
     pub fn of(weights: &Weights) -> Result<Self, PlannerError> {
         let note = |key: &str| {
             weights
@@ -79,7 +79,7 @@ impl PolicySpec {
         })?;
         let rate = note("control_hz")?;
         if rate != CONTROL_HZ {
-            return Err(wrong("control_hz", rate, "10, at which planners of policies are asked"));
+            return Err(wrong("control_hz", rate, "10, the control rate of policies"));
         }
         let gain = |text: &str| text.parse().ok().filter(|g: &f32| g.is_finite());
         let relief = match weights.note("relief") {
@@ -108,12 +108,12 @@ impl PolicySpec {
     }
 }
 
-/// A policy's networks: numbers of an observation in, an action out.
+/// A policy's networks: observation in, action out.
 ///
-/// Crops are planes for a convolution, the network `eyes` of one layer; all other numbers go beside what it gives into the network
-/// `head`. Numbers are divided by their usual sizes and limited, as in a flat observation. A part of labels makes a plane for each
-/// label of [`PolicySpec::labels`]. Planes of numbers come first, in the order of the parts,
-/// each of heights with that of its relief behind it, then those of labels.
+/// Crops are planes for a convolution, the network `eyes` of one layer; its output and all other numbers are the input
+/// of the network `head`. Numbers are divided by their normalisation scales and clamped, as in a flat observation. A
+/// part of labels has a one-hot plane for each label of [`PolicySpec::labels`]. Planes of numbers come first, in the
+/// order of the parts, each plane of heights followed by its relief, then planes of labels.
 #[derive(Clone, Debug)]
 pub struct PolicyNetwork {
     parts: Vec<Part>,
@@ -133,17 +133,17 @@ pub struct PolicyNetwork {
 /// The numbers of a part of an observation.
 #[derive(Clone, Copy, Debug)]
 pub enum Numbers<'a> {
-    /// Of a part of [`Dtype::F32`].
+    /// For a part of [`Dtype::F32`].
     F32(&'a [f32]),
-    /// Of a part of [`Dtype::U8`].
+    /// For a part of [`Dtype::U8`].
     U8(&'a [u8]),
 }
 
 impl PolicyNetwork {
-    /// The networks of a file of weights, for observations of this layout.
+    /// The networks of a weights file, for observations of this layout.
     ///
     /// # Errors
-    /// Returns an error if the file has no such networks, or they don't fit the layout.
+    /// Returns an error if the networks do not exist or do not match the layout.
     pub fn new(weights: &Weights, spec: &PolicySpec, layout: &Layout) -> Result<Self, PlannerError> {
         let parts = layout.parts().to_vec();
         let cells = layout.sight().cells.pow(2);
@@ -154,9 +154,7 @@ impl PolicyNetwork {
         let planes: usize = parts.iter().filter(|p| p.is_crop()).map(planes_of).sum();
         let others: usize = parts.iter().filter(|p| !p.is_crop()).map(Part::width).sum();
         if let Some(part) = parts.iter().find(|p| p.dtype == Dtype::U8 && !p.is_crop()) {
-            return Err(
-                format!("weights: parts: {}: labels that are no crop can't be seen", part.name).into()
-            );
+            return Err(format!("weights: parts: {}: only crops of labels are supported", part.name).into());
         }
         let eyes = match planes {
             0 => None,
@@ -183,7 +181,7 @@ impl PolicyNetwork {
         })
     }
 
-    /// The action for an observation, whose parts come in the order of the layout. Missing numbers count as 0.
+    /// The action for an observation, with parts in the order of the layout. Missing numbers are 0.
     pub fn act(&mut self, parts: &[Numbers<'_>]) -> Vec<f64> {
         let seen = self.eyes.as_ref().map_or(0, Network::outputs);
         let mut planes = self.planes.iter_mut();
@@ -225,7 +223,7 @@ impl PolicyNetwork {
     }
 }
 
-/// A number as a network sees it.
+/// Normalises a number for a network.
 fn limited(value: f32) -> f32 {
     value.clamp(-Layout::FLAT_BOUND, Layout::FLAT_BOUND)
 }
@@ -235,10 +233,10 @@ fn has_relief(part: &Part) -> bool {
     part.is_crop() && part.name.contains("height")
 }
 
-/// What each of the heights on a square is above the mean of those around it, up to two rows and columns away.
+/// The relief of a square of heights: each height above the mean of those up to two rows and columns away.
 fn relief(heights: &[f32], cells: usize) -> impl Iterator<Item = f32> {
     const AROUND: [usize; 5] = [0, 1, 2, 3, 4];
-    // The outermost ones go on beyond the edge.
+    // The edge is replicated.
     let at = move |row: usize, col: usize| {
         let inside = |i: usize| i.saturating_sub(2).min(cells - 1);
         heights[inside(row) * cells + inside(col)]
@@ -250,23 +248,24 @@ fn relief(heights: &[f32], cells: usize) -> impl Iterator<Item = f32> {
     })
 }
 
-/// A policy that was trained, as it drives: what it sees, its networks, and what it does.
+/// A trained policy: observer, networks and actuator.
 #[derive(Clone, Debug)]
 pub struct Trained {
     layout: Layout,
     observer: Observer,
     actuator: Actuator,
     network: PolicyNetwork,
-    /// Room for the numbers of each part.
+    /// Buffers for the numbers of each part.
     numbers: Vec<Vec<f32>>,
     labels: Vec<Vec<u8>>,
 }
 
 impl Trained {
-    /// The policy of a file of weights, for a task.
+    /// Creates the policy of a weights file, for a task.
     ///
     /// # Errors
-    /// Returns an error if the file isn't one of a policy, or sees what the task's perception doesn't give.
+    /// Returns an error if the file contains no policy, or the policy needs data omitted by the task's perception
+    /// profile.
     pub fn new(weights: &Weights, task: &Task) -> Result<Self, PlannerError> {
         let spec = PolicySpec::of(weights)?;
         let layout = Layout::new(&spec.parts, spec.sight, task)?;
@@ -284,7 +283,7 @@ impl Trained {
     /// The command for an observation of the task.
     ///
     /// # Errors
-    /// Returns an error if the action isn't finite, as after an observation that makes no sense.
+    /// Returns an error if the action is not finite, e.g. after an invalid observation.
     pub fn step(&mut self, task: &Task, observation: &Observation) -> Result<Command, PlannerError> {
         self.observer.look(observation);
         let mut parts = Vec::with_capacity(self.numbers.len());
@@ -303,7 +302,7 @@ impl Trained {
         }
         let action = self.network.act(&parts);
         if action.iter().any(|a| !a.is_finite()) {
-            return Err("the policy's action is not finite: the observation makes no sense".into());
+            return Err("the policy's action is not finite, because the observation is invalid".into());
         }
         Ok(self.actuator.command(&action, observation))
     }

@@ -1,70 +1,66 @@
-//! Getting a stuck vehicle free: noticing that it doesn't get on, backing out along its own track, and coming again.
+//! Detects lack of progress, reverses along the track and retries.
 //!
-//! [`Recovery`] stands between a planner and the vehicle. It is given every observation with the command that the
-//! planner would send, and returns the command to send. While the vehicle gets on, that is the planner's own, bit for
-//! bit.
+//! [`Recovery`] is a filter between a planner and the vehicle: it receives every observation with the planner's
+//! command, and returns the command to apply. While the vehicle makes progress, it returns the planner's command
+//! unchanged.
 //!
-//! The rules end a task whose vehicle is less than 1 m from where it was 10 s before (docs/scoring.md), so a vehicle that
-//! backs out and comes again must not meet its own past: neither where it backs over the place at which it was 10 s
-//! before, nor where it comes back to the obstacle 10 s after it first stood there. The helper keeps the positions of that
-//! time, and chooses how far it backs by them. It can't avoid its past for ever: what lies 10 s behind comes up to the
-//! obstacle as the vehicle did, and a vehicle that is still before the obstacle then must be 1 m to the side. So
-//! there is time for one attempt or two at a place, and they begin early and are short.
+//! The rules end a task if the vehicle is within 1 m of its position 10 s before (docs/scoring.md). A recovery must
+//! therefore not return to its positions of 10 s before: neither while reversing, nor on returning to the obstacle. The
+//! helper stores the positions of that window and limits the reversing distance accordingly. Repeated attempts at the
+//! same obstacle reach the limit eventually, unless the vehicle has moved 1 m to the side. There is thus time for one
+//! or two attempts at a place, which start early and are short.
 
 use std::collections::VecDeque;
 
 use crate::speed::SpeedController;
 use crate::{Command, Gear, Observation, Point2, Pose, Task, Vehicle, math};
 
-/// What [`Recovery`] goes by. [`Settings::default`] has the values for a vehicle of full size, and
-/// [`Settings::scaled`] those for a smaller one.
+/// The settings of [`Recovery`]. [`Settings::default`] applies to a full-scale vehicle, [`Settings::scaled`] to a
+/// smaller vehicle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// A vehicle that has come this far from where it was gets on, m.
+    /// The displacement that counts as progress, m.
     pub progress: f64,
-    /// The time that a vehicle may want to move without getting on, s.
+    /// The time without progress, while the planner commands motion, after which the vehicle is stuck, s.
     pub patience: f64,
-    /// The wheels spin if the vehicle has less than this share of their speed, in [0, 1].
+    /// The wheels spin if the vehicle's speed is below this fraction of the tread speed, in [0, 1].
     pub grip: f64,
-    /// How many times faster the patience ends while the wheels spin, 1 or more. What is left must suffice for a start
-    /// from rest with spinning wheels over the distance `progress`.
+    /// The factor by which the time limit without progress elapses faster while the wheels spin, 1 or more. The
+    /// remaining time must suffice for a start from rest with spinning wheels over the distance `progress`.
     pub haste: f64,
-    /// The distance by which the first attempt backs, m.
+    /// The reversing distance of the first attempt, m.
     pub back: f64,
-    /// The distance by which each further attempt backs more, m.
+    /// The increase of the reversing distance per further attempt, m.
     pub back_more: f64,
-    /// The greatest distance by which an attempt backs, m.
+    /// The maximum reversing distance, m.
     pub back_most: f64,
     /// The speed in reverse, m/s, positive.
     pub back_speed: f64,
-    /// The distance of the point of the own track that is steered to in reverse, m.
+    /// The look-ahead distance on the vehicle's own track in reverse, m.
     pub lookahead: f64,
-    /// The speed to which a vehicle is driven as it comes again, m/s.
+    /// The speed of the retry, m/s.
     pub run_up: f64,
-    /// The steering command that is added on the first part of the way as a vehicle comes again, in [0, 1]. It brings
-    /// the vehicle onto another line: to the left after the odd attempts, to the right after the even ones.
+    /// The steering offset of the first section of a retry, in [0, 1]. It leads to another path: to the left after odd
+    /// attempts, to the right after even attempts.
     pub offset: f64,
-    /// An attempt has succeeded when the vehicle is this far past the place where it was stuck, m.
+    /// The distance past the place where the vehicle was stuck at which an attempt has succeeded, m.
     pub clear: f64,
-    /// The distance from the place where the vehicle was stuck at which the attempts are counted anew, m.
+    /// The distance from the place where the vehicle was stuck at which the attempt counter resets, m.
     pub forget: f64,
-    /// The time for which a vehicle in reverse may want to move without getting on before it is driven forward, s. The
-    /// haste of spinning wheels holds for it, too.
+    /// The time without progress in reverse after which the vehicle drives forward, s. It also elapses faster with
+    /// spinning wheels.
     pub back_patience: f64,
-    /// The steering command by which a vehicle that can't move swings its wheels to both sides, in [0, 1]: wheels in a
-    /// rut find another hold.
+    /// The amplitude of steering oscillations of an immobile vehicle, in [0, 1]: wheels in a rut find new grip.
     pub swing: f64,
-    /// The time for which it swings to one side, s.
+    /// The duration of an oscillation to one side, s.
     pub swing_time: f64,
-    /// The time for which a vehicle that couldn't back out swings while it is driven forward, before it tries reverse
-    /// again, s.
+    /// The duration of steering oscillations in forward gear after reversing failed, before reverse is tried again, s.
     pub swing_on: f64,
-    /// The distance that the rear keeps from the edge of the world, m.
+    /// The minimum distance of the rear from the edge of the world, m.
     pub margin: f64,
-    /// The time after which the rules compare positions, s.
+    /// The window of the stuck rule, s.
     pub window: f64,
-    /// The distance by which the positions are kept different, m: what the rules want, and some for errors of the
-    /// prediction.
+    /// The minimum distance from earlier positions, m: that of the stuck rule, with a margin for prediction errors.
     pub apart: f64,
 }
 
@@ -96,8 +92,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The settings for a vehicle of this scale ([`Vehicle::scale`]) by Froude's rule, as the rules of a task are scaled
-    /// themselves: lengths are multiplied by the scale, times and speeds by its square root.
+    /// Scales the settings to a vehicle ([`Vehicle::scale`]) with Froude scaling, like the rules of a task: lengths
+    /// scale with the scale, times and speeds with its square root.
     #[must_use]
     pub fn scaled(&self, scale: f64) -> Self {
         let root = scale.sqrt();
@@ -123,15 +119,15 @@ impl Settings {
     }
 }
 
-/// What [`Recovery`] is doing.
+/// The state of [`Recovery`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// The planner drives.
     Drive,
-    /// The vehicle stops, changes into reverse and backs out.
+    /// The vehicle stops, changes to reverse and reverses.
     Back,
-    /// The vehicle changes into forward and comes again, on another line and with a run-up: it steers as the planner
-    /// wants with an offset, and doesn't heed the planner's throttle and brake.
+    /// The vehicle changes to forward and retries on another path at the retry speed: the planner's steering with an
+    /// offset, without its throttle and brake.
     Again,
 }
 
@@ -143,26 +139,26 @@ struct Mark {
     y: f64,
 }
 
-/// Positions in the history.
+/// Capacity of the position history.
 const MARKS: usize = 128;
-/// Points of the track, and how many of them lie in a lookahead.
+/// Capacity of the track, and points per look-ahead distance.
 const TRACK: usize = 64;
 const PER_LOOKAHEAD: f64 = 8.0;
-/// The step of a prediction and its horizon while backing, as a share of the rules' window.
+/// Step and horizon of predictions while reversing, as fractions of the stuck rule's window.
 const AHEAD: f64 = 0.02;
 const SOON: f64 = 0.08;
-/// A change of direction that takes longer than the vehicle's time for it by this share of the window has failed.
+/// A change of direction has failed after its specified time plus this fraction of the window.
 const LATE: f64 = 0.3;
-/// The share of the patience in reverse after which a vehicle swings its wheels.
+/// The fraction of the time limit in reverse after which the wheels oscillate.
 const STILL: f64 = 0.15;
-/// The share of the way back to the obstacle on which a vehicle steers to the side.
+/// The fraction of the return path with a steering offset.
 const ASIDE: f64 = 0.6;
 
-/// Notices a stuck vehicle, backs it out along its own track and drives it on again.
+/// Detects a stuck vehicle, reverses along its track and retries.
 ///
-/// It needs the pose in every step, and makes use of the wheels' speeds if there are any. A planner that drives in
-/// reverse or stands by its own choice is left alone. A vehicle without a reverse gear swings its front wheels to both
-/// sides instead, and so does one that can't move backwards either.
+/// It needs the pose in every step, and uses the wheel speeds if available. It does not intervene if the planner
+/// reverses or stands. A vehicle without a reverse gear, or one that cannot reverse, oscillates its front wheels
+/// instead.
 #[derive(Clone, Debug)]
 pub struct Recovery {
     settings: Settings,
@@ -171,26 +167,26 @@ pub struct Recovery {
     speed: SpeedController,
     phase: Phase,
     attempts: u32,
-    /// Where and when the vehicle was seen at each time of the rules' window, oldest first.
+    /// Positions in the window of the stuck rule, oldest first.
     history: VecDeque<Mark>,
-    /// The way on which it came, up to where it is.
+    /// The track up to the current position.
     track: VecDeque<Point2>,
     last: Option<Mark>,
-    /// Where it was last seen to get on, and for how long it has wanted to move since, s.
+    /// The position of the last progress, and the time with commanded motion since then, s.
     anchor: Point2,
     waited: f64,
-    /// When the phase began, where, and the length of the way since, m.
+    /// Time and position of the start of the phase, and the distance driven since, m.
     since: Mark,
     gone: f64,
-    /// Where the vehicle was stuck, and the length of the way there when it comes again, m.
+    /// The position where the vehicle was stuck, and the length of the return path, m.
     blocked: Point2,
     approach: f64,
-    /// Whether it moves its steering from side to side as it comes again, because it couldn't back out.
+    /// Whether the steering oscillates during the retry, because reversing failed.
     swings: bool,
 }
 
 impl Recovery {
-    /// A helper for a task.
+    /// Creates a helper for a task.
     #[must_use]
     pub fn new(task: &Task, settings: Settings) -> Self {
         let start = Mark { time: 0.0, x: task.start.x, y: task.start.y };
@@ -214,26 +210,25 @@ impl Recovery {
         }
     }
 
-    /// What it is doing.
+    /// The current phase.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// The number of attempts at the place where the vehicle is or was last stuck; 0 when it has left it behind.
+    /// The number of attempts at the current or last place where the vehicle was stuck; 0 after leaving it.
     #[must_use]
     pub fn attempts(&self) -> u32 {
         self.attempts
     }
 
-    /// The place where the vehicle is or was last stuck; absent when it has left it behind. A planner may want to plan a
-    /// way round it.
+    /// The current or last place where the vehicle was stuck; absent after leaving it. Planners can re-plan around it.
     #[must_use]
     pub fn blocked(&self) -> Option<Point2> {
         (self.attempts > 0).then_some(self.blocked)
     }
 
-    /// The command to send in place of `wanted`, the planner's. It must be called in every step.
+    /// Returns the command to apply in place of `wanted`, the planner's command. It must be called in every step.
     pub fn update(&mut self, o: &Observation, wanted: Command) -> Command {
         let Some(pose) = o.pose.filter(|p| is_finite(p) && o.time.is_finite()) else { return wanted };
         let now = Mark { time: o.time, x: pose.position.x, y: pose.position.y };
@@ -303,7 +298,7 @@ impl Recovery {
         }
     }
 
-    /// Backs out for the next time, or swings if the vehicle can't.
+    /// Starts the next attempt: reverses, or oscillates the wheels without a reverse gear.
     fn attempt(&mut self, now: Mark) {
         self.attempts = self.attempts.saturating_add(1);
         self.blocked = Point2 { x: now.x, y: now.y };
@@ -332,13 +327,13 @@ impl Recovery {
         self.waited = 0.0;
     }
 
-    /// Whether a vehicle that swings goes on with that: always without a reverse gear.
+    /// Whether a vehicle with oscillating wheels continues: always without a reverse gear.
     fn swings_on(&self, now: Mark) -> bool {
         let time = self.vehicle.direction_change_time + self.settings.swing_on;
         self.swings && (self.vehicle.max_reverse_speed <= 0.0 || now.time - self.since.time < time)
     }
 
-    /// The steering of the wheels' swings: to the left at first after odd attempts.
+    /// The steering of the oscillation: initially to the left after odd attempts.
     fn swing(&self, now: Mark) -> f64 {
         let swings = ((now.time - self.since.time) / self.settings.swing_time).max(0.0) as u64;
         if swings.is_multiple_of(2) {
@@ -348,16 +343,16 @@ impl Recovery {
         }
     }
 
-    /// The side to which this attempt goes: 1 to the left, -1 to the right.
+    /// The side of this attempt: 1 to the left, -1 to the right.
     fn side(&self) -> f64 {
         if self.attempts % 2 == 1 { 1.0 } else { -1.0 }
     }
 
-    /// Whether it is time to go forward again.
+    /// Whether to change to forward.
     fn has_backed(&self, now: Mark, pose: &Pose, gear: Gear) -> bool {
         let s = &self.settings;
         if gear != Gear::Reverse {
-            // A gear that doesn't come in never will.
+            // The gear change has failed.
             return now.time - self.since.time > self.vehicle.direction_change_time + LATE * s.window;
         }
         if self.waited > s.back_patience {
@@ -382,7 +377,7 @@ impl Recovery {
         {
             return true;
         }
-        // Time to change, to get there, and to notice that it is stuck again and back off.
+        // Time to change gear, to return, and to detect and reverse again.
         let change = self.vehicle.direction_change_time + 0.05 * s.window;
         let there = change + back / (0.7 * s.run_up);
         let stay = there + s.patience + self.vehicle.direction_change_time + s.apart / s.back_speed;
@@ -397,14 +392,15 @@ impl Recovery {
             )
     }
 
-    /// The place on the line from where the vehicle was stuck, `back` metres away, at a distance from there, m.
+    /// The position at a distance from the place where the vehicle was stuck, on the line to the current position
+    /// `back` metres away, m.
     fn on_the_way(&self, now: Mark, back: f64, distance: f64) -> (f64, f64) {
         let k = distance / back;
         (self.blocked.x + k * (now.x - self.blocked.x), self.blocked.y + k * (now.y - self.blocked.y))
     }
 
-    /// Whether a course, which gives the place after so many seconds, comes close to where the vehicle was a window
-    /// before, within a share of the window from now.
+    /// Whether a predicted path, as position over time, approaches the vehicle's positions one window before, within
+    /// this fraction of the window from now.
     fn meets_itself(&self, now: Mark, course: impl Fn(f64) -> (f64, f64), share: f64) -> bool {
         let s = &self.settings;
         let steps = (share.min(1.0) / AHEAD) as u32;
@@ -416,7 +412,7 @@ impl Recovery {
         })
     }
 
-    /// Where the vehicle was at a time, if that is known.
+    /// The vehicle's position at a time, if known.
     fn place_at(&self, time: f64) -> Option<(f64, f64)> {
         let i = self.history.partition_point(|m| m.time < time);
         let (a, b) = (self.history.get(i.checked_sub(1)?)?, self.history.get(i)?);
@@ -426,7 +422,7 @@ impl Recovery {
 
     fn remember(&mut self, now: Mark, pose: &Pose, gear: Gear) {
         let s = &self.settings;
-        // Positions at regular times. The margin keeps marks at whole multiples of a control period.
+        // Positions at regular times. The margin aligns them with whole multiples of a control period.
         let spacing = s.window / (MARKS - 2) as f64;
         if self.history.back().is_none_or(|m| now.time - m.time > spacing) {
             if self.history.len() == MARKS {
@@ -436,7 +432,7 @@ impl Recovery {
         }
         let spacing = s.lookahead / PER_LOOKAHEAD;
         if gear == Gear::Reverse {
-            // What was backed over is no longer behind the vehicle.
+            // Track points that the vehicle has passed in reverse are removed.
             while self.track.back().is_some_and(|p| seen_from(pose, *p).0 > -0.5 * spacing) {
                 self.track.pop_back();
             }
@@ -448,7 +444,7 @@ impl Recovery {
         }
     }
 
-    /// The mean speed of the wheels' treads without its sign, m/s; 0 without wheels.
+    /// The absolute mean tread speed of the wheels, m/s; 0 without wheels.
     fn wheel_speed(&self, o: &Observation) -> f64 {
         let sum: f64 = o.wheels.iter().map(|w| w.spin).filter(|s| s.is_finite()).sum();
         if o.wheels.is_empty() {
@@ -458,7 +454,7 @@ impl Recovery {
         }
     }
 
-    /// Backs along the track, once reverse is in; until then it brakes, since a gearbox changes at rest.
+    /// Reverses along the track after the change to reverse; before it, brakes, because the gearbox changes at rest.
     fn backward(&mut self, now: Mark, pose: &Pose, gear: Gear, dt: f64) -> Command {
         let s = &self.settings;
         let goal = self
@@ -468,8 +464,8 @@ impl Recovery {
             .map(|p| seen_from(pose, *p))
             .take_while(|(x, _)| *x < 0.0)
             .find(|(x, y)| math::hypot(*x, *y) >= s.lookahead);
-        // The circle through a point behind the vehicle that touches the vehicle's axis is the same for both directions
-        // of travel, and so is the steering. Without a track the vehicle backs straight.
+        // The circle through a point behind the vehicle, tangent to the vehicle's axis, is the same for both directions
+        // of travel, and so is the steering. Without a track the vehicle reverses straight.
         let pursuit = goal.map_or(0.0, |(x, y)| {
             math::atan(2.0 * self.vehicle.wheelbase * y / (x * x + y * y)) / self.vehicle.max_steer_angle
         });
@@ -484,7 +480,8 @@ impl Recovery {
         Command { steering, throttle, brake, gear: Gear::Reverse, ..Command::default() }
     }
 
-    /// Comes again as the planner steers, but on another line and with a run-up. It brakes until a forward gear is in.
+    /// Retries with the planner's steering plus an offset, at the retry speed. It brakes until a forward gear is
+    /// engaged.
     fn forward(&mut self, now: Mark, pose: &Pose, gear: Gear, wanted: Command, dt: f64) -> Command {
         let s = &self.settings;
         let aside = if self.swings {
@@ -503,7 +500,7 @@ impl Recovery {
     }
 }
 
-/// A point in the axes of the vehicle: forward, left, m.
+/// A point in vehicle axes: forward, left, m.
 fn seen_from(pose: &Pose, p: Point2) -> (f64, f64) {
     let (sin, cos) = math::sin_cos(pose.yaw);
     let (dx, dy) = (p.x - pose.position.x, p.y - pose.position.y);

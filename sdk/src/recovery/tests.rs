@@ -1,7 +1,7 @@
 use super::*;
 use crate::{Pose2, Vec3, Wheel};
 
-/// A bicycle that a wall may stop, with a gearbox that changes its direction as [`Vehicle`] says.
+/// A bicycle with optional walls, and a gearbox that changes direction as specified by [`Vehicle`].
 struct Bicycle {
     task: Task,
     time: f64,
@@ -10,9 +10,9 @@ struct Bicycle {
     yaw: f64,
     v: f64,
     gear: Gear,
-    /// The direction that comes in, and when.
+    /// The gear that is being engaged, and its time.
     coming: Option<(Gear, f64)>,
-    /// Whether no part of the world lies there for the reference point.
+    /// Whether the reference point is blocked at a position.
     wall: fn(f64, f64) -> bool,
     wheels: f64,
     dt: f64,
@@ -90,7 +90,7 @@ impl Bicycle {
         }
     }
 
-    /// Drives for so many seconds of full scale. Returns what was seen and sent.
+    /// Simulates so many seconds at full scale. Returns observations and commands.
     fn trip(
         &mut self,
         r: &mut Recovery,
@@ -117,7 +117,7 @@ fn place(o: &Observation) -> (f64, f64) {
     o.pose().map(|p| (p.position.x, p.position.y)).unwrap()
 }
 
-/// How far each stretch in reverse led.
+/// Lengths of all sections in reverse.
 fn stretches(trip: &[(Observation, Phase, Command)]) -> Vec<f64> {
     trip.chunk_by(|a, b| a.1 == b.1)
         .filter(|c| c[0].1 == Phase::Back)
@@ -135,14 +135,14 @@ fn a_vehicle_that_gets_on_is_driven_by_its_planner_bit_for_bit() {
     for i in 0..2000u32 {
         let i = f64::from(i);
         let debug = vec![crate::Series { name: "i".into(), values: vec![i as f32] }];
-        // A throttle and a brake that slow it down to a crawl now and then.
+        // Throttle and brake that occasionally slow the vehicle to a crawl.
         let (throttle, brake) = if i % 50.0 < 40.0 { (0.3, 0.0) } else { (0.0, 0.1) };
         let wanted = Command { steering: math::sin(0.1 * i), throttle, brake, gear: Gear::Forward, debug };
         let sent = r.update(&b.look(), wanted.clone());
         assert_eq!(sent, wanted);
         b.drive(&sent);
     }
-    // What it keeps is bounded.
+    // Its memory is bounded.
     assert_eq!((r.history.len(), r.track.len()), (MARKS, TRACK));
 }
 
@@ -175,13 +175,13 @@ fn a_planner_that_stands_or_reverses_by_its_own_choice_is_left_alone() {
 
 #[test]
 fn a_blocked_vehicle_backs_out_and_comes_by_on_another_line() {
-    // A post that a vehicle that drives straight can't pass.
+    // A post that blocks a vehicle on a straight path.
     let mut b = Bicycle::new(1.0, |x, y| (10.0..11.0).contains(&x) && y.abs() < 0.25);
     let mut r = b.helper(&Settings { offset: 0.5, ..Settings::default() });
     let trip = b.trip(&mut r, 30.0, |b| Command { steering: (-b.yaw).clamp(-1.0, 1.0), ..ahead() });
     assert_eq!(stretches(&trip).len(), 1);
     assert!(b.x > 25.0 && b.y > 0.25, "{} {}", b.x, b.y);
-    // It has left the place behind, and the planner drives again.
+    // It has left the place, and the planner drives again.
     assert_eq!((r.phase(), r.attempts(), r.blocked()), (Phase::Drive, 0, None));
     assert_eq!(trip[trip.len() - 1].2.throttle, 0.5);
 }
@@ -247,14 +247,14 @@ fn it_comes_to_the_obstacle_again_before_the_rules_see_it_where_it_was() {
 
 #[test]
 fn it_stays_in_the_world() {
-    // It can't leave its start, which is close to the western edge.
+    // It cannot leave its start, close to the western edge.
     let mut b = Bicycle::new(1.0, |x, _| x > -58.0);
     b.x = -58.5;
     let mut r = b.helper(&Settings { margin: 1.0, ..Settings::default() });
     let trip = b.trip(&mut r, 30.0, |_| ahead());
     assert!(stretches(&trip)[0] > 1.0);
     for (o, ..) in trip {
-        // Half of the length and some way to stop.
+        // Half of the length plus the stopping distance.
         assert!(place(&o).0 - 2.25 > -64.0, "{:?}", place(&o));
     }
 }
@@ -280,7 +280,7 @@ fn a_small_vehicle_does_the_same_by_froudes_rule() {
         let mut r = b.helper(&Settings::default());
         b.trip(&mut r, 60.0, |_| ahead())
     };
-    // Of the scale and of its root powers of two: the same bits.
+    // Powers of two for the scale and its root: identical bits.
     let (large, small) = (drive(1.0, |x, _| x > 16.0), drive(0.0625, |x, _| x > 1.0));
     assert!(large.len() == small.len() && stretches(&large).len() > 2);
     for ((o, phase, _), (p, same, _)) in large.iter().zip(&small) {

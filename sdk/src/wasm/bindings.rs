@@ -114,8 +114,8 @@ pub mod vertibench {
                 pub max_steer_rate: f64,
                 /// The turning radius of the reference point at full lock on flat ground, m.
                 pub min_turn_radius: f64,
-                /// The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
-                /// full lock; 0 for a vehicle that is not steered by the speeds of its sides.
+                /// The track of a slip-free differential drive with the same yaw rate at the same wheel speeds, at full lock, m; 0 for
+                /// a vehicle without skid steering.
                 pub effective_track: f64,
                 /// The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place.
                 pub turn_rate_in_place: f64,
@@ -190,9 +190,9 @@ pub mod vertibench {
             /// Heights on a square grid.
             #[derive(Clone)]
             pub struct HeightMap {
-                /// The places at which the samples lie.
+                /// The positions of the samples.
                 pub frame: GridFrame,
-                /// The `rows` · `cols` heights of the ground in the world frame, m, row-major with row 0 in the south; NaN where
+                /// The `rows` · `cols` heights of the terrain in the world frame, m, row-major with row 0 in the south; NaN where
                 /// the height is unknown.
                 pub data: _rt::Vec<f32>,
             }
@@ -210,7 +210,7 @@ pub mod vertibench {
             /// Labels on a square grid.
             #[derive(Clone)]
             pub struct LabelMap {
-                /// The places at which the samples lie.
+                /// The positions of the samples.
                 pub frame: GridFrame,
                 /// The `rows` · `cols` labels, row-major with row 0 in the south; 255 where the label is unknown.
                 pub data: _rt::Vec<u8>,
@@ -275,12 +275,12 @@ pub mod vertibench {
             #[repr(C)]
             #[derive(Clone, Copy)]
             pub struct LidarInfo {
-                /// The duration of a turn, which is the interval between scans, s.
+                /// The duration of a scan, which is one revolution, s.
                 pub period: f64,
                 /// The number of beams: the rows of a scan, lowest first.
                 pub rows: u32,
-                /// The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / `cols` in
-                /// the sensor's frame, counter-clockwise from straight ahead.
+                /// The number of directions per revolution: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π /
+                /// `cols` in the sensor's frame, counter-clockwise from straight ahead.
                 pub cols: u32,
                 /// The elevation angle of the lowest beam above the sensor's horizon, rad.
                 pub lowest: f64,
@@ -290,7 +290,7 @@ pub mod vertibench {
                 pub min_range: f64,
                 /// The maximum measured distance, m.
                 pub max_range: f64,
-                /// The place of the sensor on the vehicle.
+                /// The pose of the sensor on the vehicle.
                 pub mount: Mount,
             }
             impl ::core::fmt::Debug for LidarInfo {
@@ -328,7 +328,7 @@ pub mod vertibench {
                 pub max_depth: f64,
                 /// Whether the images have a label for each pixel.
                 pub labels: bool,
-                /// The place of the sensor on the vehicle.
+                /// The pose of the sensor on the vehicle.
                 pub mount: Mount,
             }
             impl ::core::fmt::Debug for DepthInfo {
@@ -355,7 +355,7 @@ pub mod vertibench {
                 pub id: _rt::String,
                 /// The vehicle.
                 pub vehicle: Vehicle,
-                /// The heights of the ground that the perception profile provides, m; absent if it provides none.
+                /// The terrain heights that the perception profile provides, m; absent if it provides none.
                 pub elevation: ::core::option::Option<HeightMap>,
                 /// The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock,
                 /// 6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none.
@@ -510,10 +510,10 @@ pub mod vertibench {
                         .finish()
                 }
             }
-            /// A turn of the lidar.
+            /// A scan of the lidar: one revolution.
             #[derive(Clone)]
             pub struct LidarScan {
-                /// The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
+                /// The simulated time at the end of the scan, s. Column c was measured (1 − (c + 1/2) / `cols`) · `period` before,
                 /// while the vehicle moved.
                 pub time: f64,
                 /// The `rows` · `cols` measured distances, m, row-major; 0 without an echo.
@@ -553,17 +553,17 @@ pub mod vertibench {
                         .finish()
                 }
             }
-            /// The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in its
-            /// middle, and its axes are those of the world frame, up to the error of the estimate.
+            /// The local map, built from lidar and depth camera at the estimated pose. The vehicle is at its centre, and its axes
+            /// are those of the world frame, up to the error of the estimate.
             #[derive(Clone)]
             pub struct LocalMap {
                 /// The simulated time of the last update, s.
                 pub time: f64,
-                /// The heights of the ground, m; NaN where they are unknown.
+                /// The terrain heights, m; NaN for unknown cells.
                 pub elevation: HeightMap,
-                /// The terrain classes, with the numbers of the task's `semantics`; 255 where they are unknown.
+                /// The terrain classes, with the numbers of the task's `semantics`; 255 for unknown cells.
                 pub semantics: LabelMap,
-                /// 1 for obstacles, 0 for ground, 255 where it is unknown.
+                /// 1 for obstacles, 0 for free cells, 255 for unknown cells.
                 pub occupancy: LabelMap,
             }
             impl ::core::fmt::Debug for LocalMap {
@@ -630,17 +630,17 @@ pub mod vertibench {
                 pub imu: _rt::Vec<ImuSample>,
                 /// The last GNSS position (`gnss`).
                 pub gnss: ::core::option::Option<GnssFix>,
-                /// The last turn of the lidar (`lidar`).
+                /// The last scan of the lidar (`lidar`).
                 pub lidar: ::core::option::Option<LidarScan>,
                 /// The last image of the depth camera (`depth`).
                 pub depth: ::core::option::Option<DepthImage>,
-                /// The map of the surroundings (`local-map`).
+                /// The local map (`local-map`).
                 pub local_map: ::core::option::Option<LocalMap>,
                 /// The engaged gear; neutral during a change of direction.
                 pub gear: Gear,
                 /// The engine speed, rad/s.
                 pub engine_speed: f64,
-                /// The present steering of the wheels, which follows the command at `max-steer-rate`, in [-1, 1], positive to the left.
+                /// The current wheel steering, which follows the command at `max-steer-rate`, in [-1, 1], positive to the left.
                 pub steering: f64,
                 /// The steering command applied until now, after clamping; 0 at first.
                 pub last_steering: f64,
@@ -672,7 +672,7 @@ pub mod vertibench {
                         .finish()
                 }
             }
-            /// Numbers that the harness records with the trajectory, e.g. a sampled trajectory or a cost.
+            /// Numbers that the harness records with the trajectory, e.g. rollouts or costs.
             #[derive(Clone)]
             pub struct Series {
                 /// The name of the series, constant over a task.

@@ -26,7 +26,7 @@ pub(crate) fn log(level: LogLevel, message: &str) {
     host::log(level, message);
 }
 
-/// A panic leaves a WASM guest as a bare trap; its text reaches the harness as a log line beforehand.
+/// A panic is a trap in a WASM guest; its text reaches the harness as a log line before the trap.
 fn install_panic_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| std::panic::set_hook(Box::new(|info| log(LogLevel::Error, &info.to_string()))));

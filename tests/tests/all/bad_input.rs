@@ -39,14 +39,14 @@ fn a_plugin_that_can_not_be_one_is_refused_by_run_and_inspect() {
     let bent = |bytes: &[u8]| replaced(bytes, b"control-period: 0.1", b"control-period: soo");
     let files: [(&str, Vec<u8>, &[&str]); 12] = [
         ("text.wasm", b"this is no plugin".to_vec(), &["not a planner plugin", "neither"]),
-        ("empty.wasm", Vec::new(), &["empty", "build it again"]),
+        ("empty.wasm", Vec::new(), &["empty", "rebuild it"]),
         ("short.wasm", b"\0as".to_vec(), &["not a planner plugin"]),
         // A core module and a component with nothing in them: magic number, version, layer.
         ("core.wasm", b"\0asm\x01\0\0\0".to_vec(), &["not a planner plugin", "export_planner!"]),
         ("component.wasm", b"\0asm\x0d\0\x01\0".to_vec(), &["no planner metadata", "export_planner!"]),
-        ("torn.wasm", b"\0asm\x0d\0\x01\0\0\xff".to_vec(), &["truncated or damaged", "build it again"]),
-        ("half.wasm", half(&wasm), &["truncated or damaged", "build it again"]),
-        ("half.so", half(&native), &["truncated or damaged", "build it again"]),
+        ("torn.wasm", b"\0asm\x0d\0\x01\0\0\xff".to_vec(), &["truncated or damaged", "rebuild it"]),
+        ("half.wasm", half(&wasm), &["truncated or damaged", "rebuild it"]),
+        ("half.so", half(&native), &["truncated or damaged", "rebuild it"]),
         ("aged.wasm", aged(&wasm), &["planner ABI 9.7", "supports 1.0", "Rebuild"]),
         ("aged.so", aged(&native), &["planner ABI 9.7", "supports 1.0", "Rebuild"]),
         ("bent.wasm", bent(&wasm), &["control-period", "soo"]),
@@ -99,7 +99,7 @@ fn a_planner_in_the_folder_of_planners_is_found_by_its_file_name() {
     };
     assert!(inspect("pid.wasm").ok().contains("\"name\":\"pid\""));
     let told = inspect("gone.wasm").error(BAD_INPUT);
-    let elsewhere = format!("it isn't in {} either, which VB_PLUGINS names", folder.display());
+    let elsewhere = format!("it is not in {} (VB_PLUGINS) either", folder.display());
     assert!(told.contains("gone.wasm: no such plugin file") && told.contains(&elsewhere), "{told}");
     // A path is looked up nowhere else, and the working directory comes first.
     let told = inspect("./pid.wasm").error(BAD_INPUT);
@@ -602,7 +602,12 @@ fn a_report_is_not_written_over_the_run_that_it_is_of() {
     }
     let replay = ["replay", "r", "--task", "w001/t00", "--out", "r/summary.json"];
     refused(&bench, &replay, USAGE, &["r/summary.json is a file of the run r"]);
-    refused(&bench, &["report", "r", "--csv", "t", "--parquet", "t"], USAGE, &["t: two files"]);
+    refused(&bench, &["report", "r", "--csv", "t", "--parquet", "t"], USAGE, &["t: two outputs"]);
     assert_eq!(bench.files("r"), before);
     bench.ok(&["report", "r", "--csv", "r/table.csv", "--out", "r"]);
+    for option in ["--csv", "--parquet", "--markdown"] {
+        let says = ["r/table.csv is there already", "--force"];
+        refused(&bench, &["report", "r", option, "r/table.csv"], OUTPUT, &says);
+    }
+    bench.ok(&["report", "r", "--csv", "r/table.csv", "--force"]);
 }

@@ -40,7 +40,7 @@ fn a_sound_planner_passes_as_wasm_and_as_a_native_library() {
         // Only WASM is metered.
         let budget = &checks["budget"];
         if plugin_kind == PluginKind::Wasm {
-            let fraction = budget["figures"]["p99_share"].as_f64().expect("a share");
+            let fraction = budget["figures"]["p99_fraction"].as_f64().expect("a fraction");
             assert!(budget["verdict"] == "pass" && 0.0 < fraction && fraction < 0.01, "{budget}");
             let asked = checks["imports"]["detail"].as_str().expect("names");
             assert!(asked.contains("vertibench:planner/host@1.0.0"), "{asked}");
@@ -97,18 +97,18 @@ fn a_planner_that_runs_away_from_an_extreme_observation_fails_the_probes() {
 }
 
 #[test]
-fn little_head_room_is_a_warning_with_the_share() {
+fn little_head_room_is_a_warning_with_the_fraction() {
     let bench = Bench::new();
     let file = plugin("pursuit", PluginKind::Wasm);
     let args = ["check", "--plugin", text(&file), "--tasks", "w001/t00", "--message-format", "json"];
     let (checks, _) = messages(&bench.ok(&args));
-    let figure = |name: &str| checks["budget"]["figures"][name].as_f64().expect("a share");
+    let figure = |name: &str| checks["budget"]["figures"][name].as_f64().expect("a fraction");
     // A limit of which the dearest step of this task takes 80 %.
-    let limit = (2e9 * figure("max_share") / 0.8).ceil();
+    let limit = (2e9 * figure("max_fraction") / 0.8).ceil();
     bench.write("limits.yaml", format!("fuel_per_step: {limit}\n"));
     let (checks, finished) = messages(&bench.ok(&[&args[..], &["--limits", "limits.yaml"]].concat()));
     assert_eq!((&checks["budget"]["verdict"], &finished["passed"]), (&"warn".into(), &true.into()));
-    let fraction = checks["budget"]["figures"]["max_share"].as_f64().expect("a share");
+    let fraction = checks["budget"]["figures"]["max_fraction"].as_f64().expect("a fraction");
     assert!((fraction - 0.8).abs() < 1e-3, "{fraction}");
 }
 

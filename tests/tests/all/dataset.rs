@@ -61,9 +61,9 @@ fn exploration_gives_the_same_bytes_whatever_the_jobs_and_after_kills() {
     assert_ne!(sums(&bench, "whole"), sums(&bench, "other"));
     // Other settings don't go on with what was begun.
     let e = bench.run(&explore("whole", &["--resume", "--hz", "20"])).error(OUTPUT);
-    assert!(e.contains("whole") && e.contains("hz is 20, and was 10"), "{e}");
+    assert!(e.contains("whole") && e.contains("hz is 20, not 10"), "{e}");
     let e = bench.run(&explore("whole", &[])).error(OUTPUT);
-    assert!(e.contains("whole holds something already"), "{e}");
+    assert!(e.contains("whole is not empty"), "{e}");
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn what_was_changed_or_cut_off_is_found() {
         assert!(e.contains(" finding"), "{e}");
     };
     fs::write(&data, &whole[..whole.len() / 2]).expect("written");
-    findings("file-000.parquet: it is not as it was written");
+    findings("file-000.parquet: its SHA-256 differs");
     // Nothing is made of it that would look as it should, and it doesn't get new hashes.
     bench.ok(&explore("other", &["--world-seed", "7200"]));
     let before = bench.files("d");
@@ -92,7 +92,7 @@ fn what_was_changed_or_cut_off_is_found() {
     ];
     for args in used {
         let e = bench.run(args).error(BAD_INPUT);
-        assert!(e.contains("file-000.parquet: it is not as it was written"), "{e}");
+        assert!(e.contains("file-000.parquet: its SHA-256 differs"), "{e}");
         assert!(e.contains("dataset validate"), "{e}");
         assert!(!bench.path("s").exists());
     }
@@ -101,18 +101,18 @@ fn what_was_changed_or_cut_off_is_found() {
     fs::write(&data, &whole).expect("written");
     bench.ok(&["dataset", "validate", "d"]);
     bench.write("d/data/extra.parquet", "x");
-    findings("data/extra.parquet: it is not of the dataset");
+    findings("data/extra.parquet: it does not belong to the dataset");
     fs::remove_file(bench.path("d/data/extra.parquet")).expect("removed");
     let header = fs::read_to_string(bench.path("d/dataset.json")).expect("a header");
     bench.write("d/dataset.json", header.replace("\"schema\": 1", "\"schema\": 2"));
     let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
-    assert!(e.contains("version 2 of datasets, this build reads version 1"), "{e}");
+    assert!(e.contains("dataset version 2 is not supported; this build reads version 1"), "{e}");
     fs::remove_file(bench.path("d/SHA256SUMS")).expect("removed");
     bench.write("d/dataset.json", header);
     let e = bench.run(&["dataset", "validate", "d"]).error(BAD_INPUT);
     assert!(e.contains("not finished") && e.contains("--resume"), "{e}");
     let e = bench.run(&["dataset", "validate", "nowhere"]).error(BAD_INPUT);
-    assert!(e.contains("nowhere: no dataset is here"), "{e}");
+    assert!(e.contains("nowhere: not a dataset"), "{e}");
 }
 
 #[test]
@@ -131,16 +131,16 @@ fn suites_and_training_worlds_are_kept_apart_in_both_directions() {
     let e = bench
         .run(&["dataset", "explore", "--suite", "mine", "--episodes", "1", "--out", "d"])
         .error(BAD_INPUT);
-    assert!(e.contains("must not have worlds of a suite") && e.contains("smoke/w001"), "{e}");
+    assert!(e.contains("must not contain worlds of a suite") && e.contains("smoke/w001"), "{e}");
     assert!(!bench.path("d").exists());
     // A suite of one's own, such as a hidden one, is told.
     let _ = generate("7500", &["--training"]).ok();
     let from_g = ["dataset", "explore", "--suite", "g", "--episodes", "2"];
     bench.ok(&[&from_g[..], &["--out", "d"]].concat());
     let e = bench.run(&[&from_g[..], &["--out", "e", "--apart-from", "g"]].concat()).error(BAD_INPUT);
-    assert!(e.contains("must not have worlds of a suite"), "{e}");
+    assert!(e.contains("must not contain worlds of a suite"), "{e}");
     let done = bench.run(&["dataset", "validate", "d", "--apart-from", "g"]);
-    assert!(done.stdout.contains("must not have worlds of a suite"), "{}", done.stdout);
+    assert!(done.stdout.contains("must not contain worlds of a suite"), "{}", done.stdout);
     let _ = done.error(NOT_VERIFIED);
 }
 
@@ -168,12 +168,12 @@ fn planners_drive_and_only_their_successes_are_kept_if_that_is_wanted() {
     let clips = of("failures");
     assert!(clips.iter().all(|(outcome, _, length)| outcome != "success" && *length <= 100), "{clips:?}");
     let e = bench.run(&["dataset", "failures", "good", "--out", "none"]).error(BAD_INPUT);
-    assert!(e.contains("no episode of it failed"), "{e}");
+    assert!(e.contains("it contains no failed episode"), "{e}");
     let two =
         ["dataset", "drive", "--plugin", &pid, "--plugin", &pursuit, "--param", "speed=2", "--out", "x"];
     assert!(bench.run(&two).error(USAGE).contains("--param"));
     let twice = ["dataset", "drive", "--plugin", &pid, "--plugin", &pid, "--worlds", "3", "--out", "x"];
-    assert!(bench.run(&twice).error(USAGE).contains("this planner is there twice"));
+    assert!(bench.run(&twice).error(USAGE).contains("this planner is given twice"));
     assert!(!bench.path("x").exists());
 }
 
@@ -185,6 +185,16 @@ fn failures_of_a_run_are_repeated_exactly_and_marked_where_nothing_may_be_learnt
     bench.ok(&["--plugin", pid, "--suite", "smoke", "--tasks", "w003,w009/t00-t03", "--out", "run"]);
     let e = bench.run(&["dataset", "failures", "run", "--out", "f"]).error(USAGE);
     assert!(e.contains("smoke") && e.contains("--of-a-suite"), "{e}");
+    // A suite of the harness that can't be read may have the worlds.
+    bench.write("tasks/broken/suite.yaml", "schema: 1\n");
+    let smoke = root().join("tasks/smoke");
+    let smoke = smoke.to_str().expect("paths of tests are text");
+    for more in [&[][..], &["--of-a-suite"]] {
+        let args = ["dataset", "failures", "run", "--suite", smoke, "--out", "unread"];
+        let mut command = bench.command(&[&args[..], more].concat());
+        let e = Done::of(command.env("VB_TASKS", bench.path("tasks"))).error(BAD_INPUT);
+        assert!(e.contains("broken") && !e.contains("--of-a-suite"), "{e}");
+    }
     bench.ok(&["dataset", "failures", "run", "--of-a-suite", "--out", "f"]);
     let failed = bench
         .records("run")
@@ -202,7 +212,7 @@ fn failures_of_a_run_are_repeated_exactly_and_marked_where_nothing_may_be_learnt
     // They can't slip into training data.
     bench.ok(&explore("d", &[]));
     let e = bench.run(&["dataset", "merge", "d", "f", "--out", "m"]).error(BAD_INPUT);
-    assert!(e.contains("don't fit together"), "{e}");
+    assert!(e.contains("are incompatible"), "{e}");
 }
 
 #[test]
@@ -229,9 +239,9 @@ fn datasets_are_split_by_world_and_joined() {
     assert!(worlds(&train).is_disjoint(&worlds(&rest)));
     bench.ok(&["dataset", "validate", "parts/train"]);
     for (parts, says) in [
-        ("a b=1", "\"a b\" is no name"),
-        ("../p=1", "\"../p\" is no name"),
-        ("a=0.5,a=0.5", "a and a would be in one folder"),
+        ("a b=1", "\"a b\" is not a valid name"),
+        ("../p=1", "\"../p\" is not a valid name"),
+        ("a=0.5,a=0.5", "a and a have the same folder"),
         ("a=0.8,b=0.1", "the fractions sum to 0.900, not to 1"),
     ] {
         let e = bench.run(&["dataset", "split", "ab", "--parts", parts, "--out", "p"]).error(USAGE);
@@ -240,7 +250,7 @@ fn datasets_are_split_by_world_and_joined() {
     // Worlds of one dataset in two, and the dataset itself, count once.
     for twice in [["a", "./a"], ["ab", "b"]] {
         let e = bench.run(&["dataset", "merge", twice[0], twice[1], "--out", "p"]).error(BAD_INPUT);
-        assert!(e.contains("would count twice"), "{e}");
+        assert!(e.contains("would be duplicates"), "{e}");
     }
     assert!(!bench.path("p").exists());
 }
@@ -339,7 +349,12 @@ fn a_dataset_is_looked_at_and_its_examples_lead_to_replays() {
     let e = bench.run(&["dataset", "mcap", "d", "--out", "x", "--episodes", "8"]).error(USAGE);
     assert!(e.contains("there is no episode 8 (the dataset has 8, from 0)"), "{e}");
     let e = bench.run(&["dataset", "show", "d", "--vehicle", "gator"]).error(BAD_INPUT);
-    assert!(e.contains("the vehicle gator at hand is not that of the dataset"), "{e}");
+    assert!(e.contains("the available vehicle gator differs from that of the dataset"), "{e}");
+    // A vehicle file that can't be read is no other vehicle.
+    bench.write("tasks/vehicles/hmmwv.yaml", "schema: 1\n");
+    let mut command = bench.command(&["dataset", "mcap", "d", "--out", "x"]);
+    let e = Done::of(command.env("VB_TASKS", bench.path("tasks"))).error(BAD_INPUT);
+    assert!(e.contains("hmmwv.yaml") && !e.contains("the available vehicle"), "{e}");
     let Some(mut browser) = Browser::start(1400, 900) else { return };
     browser.open(&bench.path("page/index.html"));
     // Every table counts each episode once.

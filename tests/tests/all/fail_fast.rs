@@ -59,7 +59,7 @@ fn a_planner_that_does_not_answer_is_ended_after_three_tasks() {
     bench.write("limits.yaml", "watchdog_ms: 1000\n");
     let faulty = plugin("faulty", PluginKind::Native);
     for (fault, place) in
-        [("fault=init-endless", "init: gave no answer"), ("fault=endless", "step 0 (t = 0.00 s)")]
+        [("fault=init-endless", "init: did not respond"), ("fault=endless", "step 0 (t = 0.00 s)")]
     {
         let out = fault.replace('=', "-");
         let args =

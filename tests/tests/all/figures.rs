@@ -49,7 +49,10 @@ fn maps_are_figures_too() {
     }
     assert!(!bench.path("f/map-w002.svg").exists(), "its tasks were not selected");
     let told = bench.run(&["report", "fast", "--csv", "t.csv", "--maps", "w001"]).error(USAGE);
-    assert!(told.contains("--maps: maps are pages or figures (add --out DIR or --figures DIR)"), "{told}");
+    assert!(
+        told.contains("--maps: maps are HTML files or figures (add --out DIR or --figures DIR)"),
+        "{told}"
+    );
 }
 
 /// What a PDF says, where poppler is installed.
@@ -118,7 +121,7 @@ fn what_cannot_be_drawn_or_written_is_said() {
     bench.write("taken", "a file");
     let refused = |args: &[&str], code: i32| bench.run(&[&["report", "r"], args].concat()).error(code);
     let told = refused(&["--figures", "-"], USAGE);
-    assert!(told.contains("many files (name a directory"), "{told}");
+    assert!(told.contains("several files (give a directory"), "{told}");
     let told = refused(&["--figures", "taken"], OUTPUT);
     assert!(told.contains("cannot make the directory taken"), "{told}");
     let told = refused(&["--figures", "f", "--figure-width", "2"], USAGE);

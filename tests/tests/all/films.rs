@@ -44,6 +44,9 @@ fn runs_are_filmed_beside_each_other_with_the_same_bytes_each_time() {
     };
     let first = film("1.gif");
     assert!(first == film("2.gif"), "the same runs give the same bytes");
+    let again = ["replay", "a", "--task", "w007/t02", "--video", "1.gif"];
+    let told = bench.run(&again).error(4);
+    assert!(told.contains("1.gif is there already") && told.contains("--force"), "{told}");
     assert_eq!(&first[..6], b"GIF89a");
     assert_eq!(first[6..10], [240, 0, 120, 0], "columns and rows");
     // A loop without an end, and all of it in one file.
@@ -65,7 +68,7 @@ fn ffmpeg_gets_every_pixel_and_what_it_says_is_told() {
     run(&bench, "a", "5", "w007/t02");
     let path = bench.path("bin").display().to_string() + ":/usr/bin:/bin";
     let mut args = vec!["replay", "a", "--task", "w007/t02", "--video", "v.mp4", "--size", "160x90"];
-    args.extend(["--from", "1", "--to", "2", "--fps", "10", "--speed", "0.5"]);
+    args.extend(["--from", "1", "--to", "2", "--fps", "10", "--speed", "0.5", "--force"]);
     let film = || vb_tests::Done::of(bench.command(&args).env("PATH", &path));
     program(&bench, FFMPEG);
     let done = film();
@@ -96,18 +99,15 @@ fn what_cannot_be_filmed_is_said_before_anything_is_drawn() {
         let error = vb_tests::Done::of(bench.command(&args).env("PATH", bench.path("nothing"))).error(2);
         assert!(error.contains(wanted), "{more:?}: {error}");
     };
-    says(
-        &["--video", "v.avi"],
-        "v.avi: can't tell the format of the video (end the name in .gif, .mp4 or .webm)",
-    );
-    says(&["--video", "v.mp4"], "MP4 files are made by ffmpeg, which is not on the PATH");
+    says(&["--video", "v.avi"], "v.avi: unknown video format (use the extension .gif, .mp4 or .webm)");
+    says(&["--video", "v.mp4"], "MP4 files need ffmpeg, which is not on the PATH");
     says(
         &["--video", "v.webm", "--size", "101x100"],
-        "WebM files have an even number of columns and rows, and 101x100 is not",
+        "WebM files need an even width and height, not 101x100",
     );
-    says(&["--video", "v.gif", "--fps", "60"], "--fps 60: GIF files have 1 to 50 frames a second");
-    says(&["--video", "v.gif", "--from", "500"], "--from 500: the runs have 0 to ");
-    says(&["--png", "p.png", "--at", "500"], "--at 500: the runs have 0 to ");
+    says(&["--video", "v.gif", "--fps", "60"], "--fps 60: GIF files support 1 to 50 frames per second");
+    says(&["--video", "v.gif", "--from", "500"], "--from 500: the runs cover 0 to ");
+    says(&["--png", "p.png", "--at", "500"], "--at 500: the runs cover 0 to ");
     says(&["--camera", "top"], "<--video <FILE>|--png <FILE>>");
     says(
         &["--png", "p.png", "--size", "5000x10"],

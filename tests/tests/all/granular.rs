@@ -134,9 +134,9 @@ fn training_worlds_with_beds_give_datasets_of_drives_on_grains() {
         bench.run(&[&args[..], more].concat())
     };
     // Seeds of training worlds and those of suites are apart here, too.
-    assert!(generate("7300", &[]).error(2).contains("are kept for training worlds"));
+    assert!(generate("7300", &[]).error(2).contains("are reserved for training worlds"));
     assert!(
-        generate("3", &["--training"]).error(2).contains("training worlds have a seed from 7000 to 7999")
+        generate("3", &["--training"]).error(2).contains("training worlds need a seed from 7000 to 7999")
     );
     assert!(generate("7300", &["--training"]).ok().contains("1 worlds, 2 tasks"));
     let pid = pid();

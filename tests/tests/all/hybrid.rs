@@ -51,7 +51,7 @@ fn without_maps_of_the_world_they_say_so_at_once() {
         let plugin = plugin(name, PluginKind::Wasm);
         let run = ["--plugin", text(&plugin), "--suite", "smoke", "--perception", "degraded", "--out", name];
         let error = bench.run(&run).error(FAIL_FAST);
-        assert!(error.contains(name) && error.contains("gives no map of heights"), "{name}: {error}");
+        assert!(error.contains(name) && error.contains("omits the elevation map"), "{name}: {error}");
     }
 }
 

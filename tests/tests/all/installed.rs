@@ -105,6 +105,9 @@ fn a_planner_is_installed_once_and_then_found_by_its_file_name() {
     assert!(done.stderr.contains("pid.wasm"), "{}", done.stderr);
     let _ = done.ok();
     let _ = installed.run(&run).ok();
+    let told = installed.run(&["plugin", "install", planner]).error(4);
+    assert!(told.contains("pid.wasm is installed already") && told.contains("--force"), "{told}");
+    let _ = installed.run(&["plugin", "install", "--force", planner]).ok();
     let told = installed.run(&["--plugin", "gone.wasm"]).error(3);
     assert!(told.contains("gone.wasm") && told.contains("verti-bench/plugins"), "{told}");
 }

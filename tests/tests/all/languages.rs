@@ -213,7 +213,7 @@ fn new_projects_in_other_languages_build_and_drive() {
 /// What is put before a line of a planner's source.
 type Bugs = (&'static str, &'static str);
 const JS_BUGS: Bugs = (
-    "    // Progress never goes back",
+    "    // Progress never decreases",
     "    if (this.speed === 13) return;\n    if (this.speed === 14) return { steering: 0, throttle: 0 };\n",
 );
 const C_BUGS: Bugs = (
@@ -306,10 +306,10 @@ fn a_new_project_overwrites_nothing_and_wants_a_sound_name() {
     let bench = Bench::new();
     bench.write("fox/notes.txt", "mine");
     let e = bench.run(&["plugin", "new", "fox", "--lang", "c"]).error(4);
-    assert!(e.contains("nothing is overwritten"), "{e}");
+    assert!(e.contains("are not overwritten"), "{e}");
     assert_eq!(bench.files("fox").len(), 1);
     let e = bench.run(&["plugin", "new", "../fox", "--lang", "c"]).error(2);
-    assert!(e.contains("\"../fox\" can't be a planner's name"), "{e}");
+    assert!(e.contains("\"../fox\" is not a valid planner name"), "{e}");
     let e = bench.run(&["plugin", "new", "hare", "--lang", "c", "--sdk", "/"]).error(2);
     assert!(e.contains("--lang rust"), "{e}");
     let e = bench.run(&["plugin", "new", "hare", "--lang", "rust", "--sdk", "/"]).error(3);

@@ -96,8 +96,8 @@ fn the_result_is_said_first_and_the_tasks_that_part_two_runs_are_listed() {
     let done = bench.run(&["report", "fast", "slow", "--out", "page", "--markdown", "page/report.md"]);
     let page = bench.path("page/index.html");
     browser.open(&page);
-    let said = "pid (speed 5) has the highest success rate: 80.0 % of 5 tasks, but its lead over pid (speed 3) is not certain: 3 worlds \
-                are too few (1 differs, 6 must; run the 100 worlds of vb-100).";
+    let said = "pid (speed 5) has the highest success rate: 80.0 % of 5 tasks, but its lead over pid (speed 3) is not significant: 3 worlds \
+                are too few (1 differs, 6 needed; run the 100 worlds of vb-100).";
     assert_eq!(browser.eval("document.querySelector('main > p.lead').textContent"), said);
     assert!(done.stderr.contains(said), "{}", done.stderr);
     let read = |file: &str| fs::read_to_string(bench.path(file)).expect("a file of the report");
@@ -184,7 +184,7 @@ fn what_cannot_be_shown_is_refused_with_its_reason() {
     assert!(done.contains("given twice"), "{done}");
     let done = bench.run(&["replay", "r", "--task", "w001/t09", "--out", "x.html"]).error(2);
     assert!(
-        done.contains("w001/t09 is not among its 1 finished tasks") && done.contains("w001/t00"),
+        done.contains("w001/t09 is not one of its 1 finished tasks") && done.contains("w001/t00"),
         "{done}"
     );
     let elsewhere = ["replay", "r", "--task", "w001/t00", "--suite", "vb-100", "--out", "x.html"];

@@ -47,7 +47,7 @@ fn what_a_profile_does_not_offer_is_said_before_anything_is_driven() {
     let watch = plugin("watch", PluginKind::Wasm);
     let pid = pid();
     for (planner, profile, says) in [
-        (&watch, "blind.yaml", &["watch", "needs gnss", "blind", "it offers pose"][..]),
+        (&watch, "blind.yaml", &["watch", "needs gnss", "blind", "it provides pose"][..]),
         (&watch, "slow.yaml", &["watch", "needs imu at 100 Hz", "slow offers 20"]),
         (&watch, "wrong.yaml", &["wrong.yaml", "lidar.max_range_m"]),
         (&watch, "nowhere.yaml", &["nowhere.yaml"]),

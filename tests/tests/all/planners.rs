@@ -31,8 +31,13 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         wasm("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
         wasm("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         wasm("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
-        wasm("endless", "planner/out-of-fuel", "step 3 (t = 0.30 s): used up its 50000000 units of fuel", 4),
-        wasm("memory", "planner/out-of-memory", "bytes of memory, it may have 33554432", 4),
+        wasm(
+            "endless",
+            "planner/out-of-fuel",
+            "step 3 (t = 0.30 s): exceeded its limit of 50000000 units of fuel",
+            4,
+        ),
+        wasm("memory", "planner/out-of-memory", "bytes of memory; the limit is 33554432", 4),
         wasm("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
         wasm("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
         wasm("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
@@ -40,7 +45,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
         native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
-        native("memory", "planner/out-of-memory", "used up its memory: it may have 33554432 bytes", 4),
+        native("memory", "planner/out-of-memory", "exceeded its memory limit of 33554432 bytes", 4),
         native("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
         native("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
         native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
@@ -89,7 +94,7 @@ fn what_the_host_failed_counts_for_nobody_and_is_run_again() {
     let more = ["--param", "only=w001/t01", "--limits", "limits.yaml", "--out", "r"];
     let args = [&args[..], &more].concat();
     let message = bench.run(&args).error(7);
-    assert!(message.contains("--resume runs them again"), "{message}");
+    assert!(message.contains("--resume re-runs them"), "{message}");
     let record = &bench.records("r")["w001/t01"];
     assert_eq!((&record["outcome"], &record["fault"]), (&"host_error".into(), &"host/watchdog".into()));
     let summary = bench.json("r/summary.json");
@@ -121,7 +126,7 @@ fn limits_come_from_a_file_and_lie_in_the_results_with_what_was_used() {
         0.0 < n("p50_step") && n("p50_step") <= n("p99_step") && n("p99_step") <= n("max_step"),
         "{fuel}"
     );
-    assert_eq!(n("max_share"), n("max_step") / 1e6);
+    assert_eq!(n("max_fraction"), n("max_step") / 1e6);
     assert!(n("memory_bytes") > 0.0 && n("init") > 0.0, "{fuel}");
     assert_eq!(bench.json("r/summary.json")["all"]["fuel"], *fuel);
     for (content, words) in [

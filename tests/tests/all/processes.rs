@@ -206,9 +206,9 @@ fn a_command_that_is_no_planner_is_told_in_a_line() {
     let tests = [
         (
             "sh -c 'echo no numpy here >&2; exit 7'",
-            "it ended before it said what it is (exit code 7): no numpy here",
+            "it exited before it sent its metadata (exit code 7): no numpy here",
         ),
-        ("sh -c 'echo hello'", "text came where a message is due"),
+        ("sh -c 'echo hello'", "text received instead of a message"),
     ];
     for (command, says) in tests {
         let done = bench.run(&["--plugin", command, "--tasks", "w001/t00", "--out", "r"]);

@@ -32,7 +32,7 @@ fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
     // Runs that say nothing of this suite, or drove under other conditions, prove nothing.
     bench.ok(&["--plugin", text(&pid), "--tasks", "w001/t00", "--out", "other"]);
     let error = bench.run(&["suite", "prove", "smoke", "other", "--out", "p.json"]).error(BAD_INPUT);
-    assert!(error.contains("is a run of a suite with hash"), "{error}");
+    assert!(error.contains("belongs to a suite with hash"), "{error}");
     bench.ok(&[
         "--plugin",
         text(&pid),

@@ -107,7 +107,7 @@ fn a_replay_shows_what_the_sensors_measured_where_the_ground_is() {
     assert_eq!(browser.eval(state), "[true,true,true,true,\"roll\"]");
     assert_eq!(browser.errors(), [] as [String; 0]);
     let e = bench.run(&["replay", "run", "--task", "w001/t03", "--sensors", "radar", "--out", "x.html"]);
-    assert!(e.error(2).contains("there is no sensor `radar`"));
+    assert!(e.error(2).contains("unknown sensor `radar`"));
 }
 
 #[test]

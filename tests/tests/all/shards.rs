@@ -110,7 +110,7 @@ fn a_trace_that_a_shard_has_lost_is_told() {
     // Who has removed it on purpose removes the checksums, and is told all the same.
     fs::remove_file(bench.path(part).join("checksums.txt")).unwrap();
     let told = bench.run(&merge);
-    assert!(told.stderr.contains(&format!("1 tasks have no trace, for their shards have lost it: {task}")));
+    assert!(told.stderr.contains(&format!("1 tasks have no trace, because their shards lost it: {task}")));
     let _ = told.ok();
 }
 
@@ -156,14 +156,14 @@ fn shards_that_do_not_belong_together_are_refused() {
         assert!(!bench.path("merged").exists());
     };
     bench.ok(&args("seed", &["--seed", "1", "--shard", "2/2"]));
-    refused(&["parts", "seed"], "are not of one run: seed differs: 0 and 1");
+    refused(&["parts", "seed"], "belong to different runs: seed differs: 0 and 1");
     bench.ok(&args("split", &["--shard", "2/3"]));
-    refused(&["parts", "split"], "are not of one run: shard.of differs: 2 and 3");
+    refused(&["parts", "split"], "belong to different runs: shard.of differs: 2 and 3");
     bench.ok(&args("whole", &[]));
-    refused(&["parts", "whole"], "is no shard of a larger one");
+    refused(&["parts", "whole"], "is not a shard");
     refused(&["runs"], "cannot read directory");
     fs::create_dir(bench.path("empty")).unwrap();
-    refused(&["empty"], "there is no run and no shard of one");
+    refused(&["empty"], "neither a run nor a shard");
     let told = bench.run(&["merge", "parts", "--suite", "smoke", "--out", "merged"]).error(3);
     assert!(told.contains("of the run (hash"), "{told}");
 

@@ -60,10 +60,10 @@ fn what_is_wrong_with_a_survey_is_one_line_that_says_what_to_do() {
     let labels = text(&root().join("examples/site/labels.png"));
     let cases: [(&[&str], i32, &str); 7] = [
         (&["cut.tif"], 3, "cut.tif"),
-        (&["notes.txt"], 3, "its content is no elevation file that is read"),
+        (&["notes.txt"], 3, "its content is not a supported elevation file"),
         (&["nowhere.tif"], 3, "nowhere.tif"),
         (&[&labels], 2, "give --sample-resolution"),
-        (&[&raster, "--at", "120,0"], 3, "reaches over the edge of the survey, which is 300 m by 260 m"),
+        (&[&raster, "--at", "120,0"], 3, "exceeds the survey, which is 300 m by 260 m"),
         (&[&raster, "--site", "site.yaml"], 3, "site.yaml"),
         (&[&raster, "--labels", &labels], 3, "is not in ground.legend"),
     ];

@@ -115,15 +115,15 @@ fn what_does_not_verify_is_named_and_has_its_own_exit_code() {
         "s/submission.json",
         manifest.replace("\"harness_version\": \"1.0.0-rc.1\"", "\"harness_version\": \"0.0.9\""),
     );
-    assert!(verify(&[]).error(3).contains("was made by version 0.0.9"));
+    assert!(verify(&[]).error(3).contains("was created with version 0.0.9"));
     mini.bench.write(
         "s/submission.json",
         manifest.replace("\"name\": \"hmmwv\"", "\"name\": \"../../etc/passwd\""),
     );
-    assert!(verify(&[]).error(3).contains("can't be looked up by its name"));
+    assert!(verify(&[]).error(3).contains("is not built in"));
     mini.bench.write("s/submission.json", "{");
     assert!(verify(&[]).error(3).contains("submission.json"));
-    assert!(mini.run(&["verify", "run", "--plugin", text(&pid)]).error(3).contains("holds no submission"));
+    assert!(mini.run(&["verify", "run", "--plugin", text(&pid)]).error(3).contains("is not a submission"));
 }
 
 /// The open division for planners that nobody else has: commands and nodes of ROS 2.
@@ -135,6 +135,9 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
     let drive = |planner: &str, more: &[&str]| mini.run(&[&["run", planner][..], &tasks, more].concat());
     drop(drive(text(&pid), &["--out", "run", "--perception", "onboard"]).ok());
     mini.ok(&["commands", "run", "--out", "pid.commands"]);
+    let told = mini.run(&["commands", "run", "--out", "pid.commands"]).error(4);
+    assert!(told.contains("pid.commands is there already") && told.contains("--force"), "{told}");
+    mini.ok(&["commands", "run", "--out", "pid.commands", "--force"]);
     let told = mini.ok(&["inspect", "pid.commands"]);
     assert!(told.contains("recorded commands of a planner of kind wasm"), "{told}");
     drop(drive("pid.commands", &["--out", "again", "--perception", "onboard"]).ok());
@@ -164,7 +167,7 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
         (&["--perception", "onboard", "--scale", "0.5"], "scale"),
     ] {
         let told = drive("pid.commands", &[&["--out", "other"][..], settings].concat()).error(3);
-        assert!(told.contains("the recording can't drive this run") && told.contains(field), "{told}");
+        assert!(told.contains("the recording does not match this run") && told.contains(field), "{told}");
     }
     // A task of which there are no commands, and one whose commands end too early.
     let told = mini.run(&[
@@ -275,6 +278,7 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
             "cellar/vault",
             "--out",
             "scores.json",
+            "--force",
             "--message-format",
             format,
         ]);
@@ -284,6 +288,9 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     }
     let scores = mini.bench.json("scores.json");
     assert_eq!((&scores["suite"], &scores["tasks"]), (&"holdout".into(), &10.into()));
+    let again = ["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault", "--out", "scores.json"];
+    let told = mini.run(&again).error(4);
+    assert!(told.contains("scores.json is there already") && told.contains("--force"), "{told}");
     // Nothing is driven for scores that have no place.
     let nowhere = ["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault", "--out", "no/where.json"];
     let told = mini.run(&nowhere).error(4);
@@ -292,10 +299,10 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     fs::remove_file(mini.path("cellar/vault/worlds/w001/elevation.png")).expect("a file of the world");
     let done = mini.run(&["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault"]);
     silent("damaged", &done.stderr);
-    assert!(done.error(3).contains("the suite can't be used"));
+    assert!(done.error(3).contains("the suite is invalid"));
     let native = plugin("pid", PluginKind::Native);
     let told = mini.run(&["evaluate", "--plugin", text(&native), "--suite", "cellar/vault"]).error(3);
-    assert!(told.contains("is no WASM file"), "{told}");
+    assert!(told.contains("is not a WASM file"), "{told}");
 }
 
 /// Three entries on two boards, of which one has scores on a hidden suite.
@@ -359,7 +366,7 @@ fn replays_that_cannot_be_carried_along_are_refused_before_anything_is_driven() 
         bench.run(&[&args[..], &["--replays", replays]].concat()).error(2)
     };
     let many = submit("w001,w002,w003/t00");
-    assert!(many.contains("w001/t00: one of 21 tasks, of which 20 at most"), "{many}");
+    assert!(many.contains("w001/t00: one of 21 tasks; a submission contains at most 20 replays"), "{many}");
     assert!(submit("w999").contains("no world \"w999\" in suite \"smoke\""));
     assert!(bench.files(".").is_empty(), "{:?}", bench.files(".").keys());
 }
@@ -505,12 +512,12 @@ fn entries_that_cannot_be_shown_are_named() {
     let manifest = fs::read_to_string(mini.path("accepted/a/submission.json")).expect("a manifest");
     mini.bench.write("accepted/a/submission.json", manifest.replace("\"open\"", "\"ranked\""));
     let told = build().error(3);
-    assert!(told.contains("verify it again") && !mini.path("site").exists(), "{told}");
+    assert!(told.contains("verify again") && !mini.path("site").exists(), "{told}");
     mini.bench.write("accepted/a/submission.json", manifest);
     assert_eq!(build().status.code(), Some(0));
     // A site that is there is replaced only on purpose.
     let told = build().error(4);
-    assert!(told.contains("leaderboard.json is there already") && told.contains("--force"), "{told}");
+    assert!(told.contains("leaderboard.json already exists") && told.contains("--force"), "{told}");
     mini.ok(&["leaderboard", "build", "accepted", "--out", "site", "--force"]);
     mini.bench.write("elsewhere/thesis.tex", "");
     assert!(

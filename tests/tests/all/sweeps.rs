@@ -109,7 +109,7 @@ fn shards_of_a_sweep_are_even_and_make_the_runs_of_one_machine() {
     }
     let told = bench.run(&sweep("report", &["--out", "many"])).error(11);
     assert!(
-        told.contains("runs are not done and in no table: ") && told.contains("sweep run --resume continues"),
+        told.contains("runs are unfinished and omitted: ") && told.contains("sweep run --resume continues"),
         "{told}"
     );
 
@@ -161,7 +161,7 @@ fn shards_of_another_plan_are_not_mixed_with_those_that_are_there() {
     bench.write("sweep.yaml", text.replace("seeds: [0, 1]", "seeds: [0, 1, 2]"));
     for args in [shard, sweep("run", &["--out", "out", "--resume"])] {
         let told = bench.run(&args).error(4);
-        assert!(told.contains("out was begun with another plan"), "{told}");
+        assert!(told.contains("out was started with another plan"), "{told}");
     }
 }
 
@@ -180,7 +180,7 @@ fn a_planner_that_can_not_begin_is_told_of_and_the_others_are_driven() {
     let told = bench.run(&sweep("run", &["--out", "out"])).error(10);
     assert!(
         told.contains(
-            "1 of 2 runs have failures; faulty,fault=init-error--hmmwv--oracle--0: the planner failed alike"
+            "1 of 2 runs have failures; faulty,fault=init-error--hmmwv--oracle--0: the planner failed in all"
         ),
         "{told}"
     );
@@ -199,7 +199,7 @@ fn a_task_that_two_shards_have_done_counts_once() {
     assert_eq!(told[1]["tasks_done"].as_u64(), Some(1), "{told:?}");
     // A run that lacks a task isn't joined as if it were done, so that the other shard still becomes a part of it.
     let e = bench.run(&sweep("report", &["--out", "s"])).error(11);
-    assert!(e.contains("1 of 1 runs are not done"), "{e}");
+    assert!(e.contains("1 of 1 runs are unfinished"), "{e}");
     bench.ok(&sweep("run", &["--out", "s", "--shard", "2/2"]));
     bench.ok(&sweep("report", &["--out", "s"]));
 }

@@ -64,7 +64,7 @@ fn strangers_get_nothing() {
     let own = with(&format!("Origin: http://127.0.0.1:{port}"));
     assert!(own.starts_with("HTTP/1.1 101") && own.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{own}");
     let done = serving.interrupt();
-    assert!(done.error(130).contains("nobody has driven"));
+    assert!(done.error(130).contains("without an episode"));
 }
 
 #[test]

@@ -188,7 +188,7 @@ fn bad_input_to_a_test_is_one_line_that_says_what_to_do() {
             assert!(error.contains(part), "{args:?}: {part:?} is not in {error:?}");
         }
     };
-    refused(&["hmmwv", "--event", "flying", "--out", "r"], USAGE, &["no event flying", "braking"]);
+    refused(&["hmmwv", "--event", "flying", "--out", "r"], USAGE, &["unknown event flying", "braking"]);
     refused(&["hmmwv", "--time-step", "50ms", "--out", "r"], USAGE, &["0.05", "between 0.01 and 10 ms"]);
     refused(&[], USAGE, &["NAME|FILE"]);
     bench.write(

@@ -22,7 +22,7 @@ pub enum TrainError {
 
 impl From<candle_core::Error> for TrainError {
     fn from(e: candle_core::Error) -> Self {
-        Self::Internal(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
+        Self::Internal(vb_files::one_line(&e.to_string()))
     }
 }
 

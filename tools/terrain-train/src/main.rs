@@ -71,7 +71,7 @@ fn main() -> ExitCode {
         Err(e) if e.use_stderr() => {
             let text = e.render().to_string();
             let end = ["\n\nUsage:", "\n\nFor more"].iter().filter_map(|end| text.find(end)).min();
-            let text = text[..end.unwrap_or(text.len())].split_whitespace().collect::<Vec<_>>().join(" ");
+            let text = vb_files::one_line(&text[..end.unwrap_or(text.len())]);
             note(&format!("{text} (see --help)"));
             return ExitCode::from(USAGE);
         }

@@ -67,6 +67,48 @@ const PAGES: [Page; 2] = [
                 sources: &["harness/model/sense/src"],
             },
             Format {
+                title: "suite.yaml",
+                about: "A suite's worlds and their hashes; [worlds](worlds.md).",
+                root: "SuiteDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "world.yaml",
+                about: "A world's grid and classes; [worlds](worlds.md).",
+                root: "WorldDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "semantics.yaml",
+                about: "A world's terrain classes, friction and soils; [worlds](worlds.md).",
+                root: "SemanticsDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "obstacles.yaml",
+                about: "A world's obstacles; [worlds](worlds.md).",
+                root: "ObstaclesDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "tasks.yaml",
+                about: "A world's tasks; [worlds](worlds.md).",
+                root: "TasksDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "beds.yaml",
+                about: "A world's granular beds; [granular beds](granular.md).",
+                root: "BedsDocument",
+                sources: &["harness/model/world/src"],
+            },
+            Format {
+                title: "proof.json",
+                about: "A suite's solvability certificate, written by `suite prove`; [worlds](worlds.md#solvability-certificates).",
+                root: "Proof",
+                sources: &["harness/make/suite/src/proof.rs"],
+            },
+            Format {
                 title: "Generator rules",
                 about: "`tasks/generator`, `suite generate --params`; [making suites](making-suites.md).",
                 root: "GeneratorParams",
@@ -127,7 +169,11 @@ const PAGES: [Page; 2] = [
                 title: "Sweep",
                 about: "`sweep run`; [many machines](scale.md).",
                 root: "File",
-                sources: &["harness/run/runner/src/sweep", "harness/run/record/src"],
+                sources: &[
+                    "harness/run/runner/src/sweep",
+                    "harness/run/record/src",
+                    "harness/run/trial/src/defaults.rs",
+                ],
             },
             Format {
                 title: "run.json",
@@ -142,6 +188,12 @@ const PAGES: [Page; 2] = [
                 sources: &["harness/run/score/src", "harness/model/world/src"],
             },
             Format {
+                title: "summary.json",
+                about: "Written by `run`; [results](results.md).",
+                root: "Summary",
+                sources: &["harness/run/score/src", "harness/model/world/src"],
+            },
+            Format {
                 title: "submission.json",
                 about: "Written by `submit`; [submissions](leaderboard.md).",
                 root: "Manifest",
@@ -152,6 +204,18 @@ const PAGES: [Page; 2] = [
                 about: "Written by `verify`; [submissions](leaderboard.md).",
                 root: "Verification",
                 sources: &["harness/show/submission/src", "harness/run/score/src", "harness/run/record/src"],
+            },
+            Format {
+                title: "dataset.json",
+                about: "Written by `dataset drive`, `explore` and `failures`; [datasets](datasets.md).",
+                root: "Header",
+                sources: &["harness/make/dataset/src", "harness/run/record/src"],
+            },
+            Format {
+                title: "planner.yaml",
+                about: "`plugin stamp`; [interface](abi.md#metadata).",
+                root: "Document",
+                sources: &["harness/cli/src/plugin/meta.rs"],
             },
         ],
     },

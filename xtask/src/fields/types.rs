@@ -19,7 +19,7 @@ pub(super) struct Types<'a> {
     format: &'a Format,
     structs: BTreeMap<String, ItemStruct>,
     enums: BTreeMap<String, ItemEnum>,
-    /// Functions without arguments and `Default::default` of types: the expressions that they return.
+    /// Constants; functions without arguments and `Default::default` of types: the expressions that they return.
     values: BTreeMap<String, Expr>,
     /// Name, variant's data and comment of each tyre model.
     tyres: Vec<[String; 3]>,
@@ -90,6 +90,9 @@ impl<'a> Types<'a> {
             }
             Item::Enum(e) if is_read(&e.attrs) => {
                 self.enums.entry(e.ident.to_string()).or_insert(e);
+            }
+            Item::Const(c) => {
+                self.values.entry(c.ident.to_string()).or_insert(*c.expr);
             }
             Item::Fn(f) if f.sig.inputs.is_empty() => {
                 if let Some(value) = returned(&f.block) {
@@ -202,7 +205,7 @@ impl<'a> Types<'a> {
                 None => "required".to_owned(),
                 Some(function) if function.is_empty() => self.default_of(&field.ty),
                 Some(function) => match self.values.get(&function) {
-                    Some(value) => shown(value),
+                    Some(value) => shown(value, &self.values),
                     None => {
                         return Err(Failure::new(format!("{} has no function {function}", self.format.root)));
                     }
@@ -239,7 +242,7 @@ impl<'a> Types<'a> {
             }
             (_, "schema") => Ok("Version of the format.".to_owned()),
             (_, "name") => Ok("The name.".to_owned()),
-            (_, "description") => Ok("A description in one line, for people.".to_owned()),
+            (_, "description") => Ok("A description in one line.".to_owned()),
             _ if self.format.title.is_empty() => Ok("joint of the linkage".to_owned()),
             _ => {
                 let what = format!("{}: the field {name} has no comment", self.format.title);
@@ -249,17 +252,7 @@ impl<'a> Types<'a> {
     }
 
     fn variants(&self, out: &mut String, e: &ItemEnum, named: &mut Vec<String>) -> Result<(), Failure> {
-        let style = serde(&e.attrs, "rename_all").unwrap_or_default();
-        let value = |v: &syn::Variant| {
-            serde(&v.attrs, "rename").unwrap_or_else(|| {
-                let name = v.ident.to_string();
-                match style.as_str() {
-                    "lowercase" => name.to_lowercase(),
-                    "kebab-case" => snake(&name).replace('_', "-"),
-                    _ => snake(&name),
-                }
-            })
-        };
+        let value = |v: &syn::Variant| written(e, v);
         let usual = |v: &syn::Variant| {
             if v.attrs.iter().any(|a| a.path().is_ident("default")) { " (if absent)" } else { "" }
         };
@@ -336,6 +329,7 @@ impl<'a> Types<'a> {
                     ("f64" | "f32", _) => "number".to_owned(),
                     ("u8" | "u16" | "u32" | "u64" | "usize" | "i32" | "i64", _) => "whole number".to_owned(),
                     ("String" | "PathBuf" | "TaskId", _) => "text".to_owned(),
+                    ("char", _) => "letter".to_owned(),
                     ("FaultCode", _) => "[code](abi.md#faults)".to_owned(),
                     ("Value", _) => "any".to_owned(),
                     // Of a type with a parameter.
@@ -384,16 +378,30 @@ impl<'a> Types<'a> {
             "u32" | "u64" | "usize" => "0".to_owned(),
             name => {
                 let usual = self.enums.get(name).and_then(|e| {
-                    e.variants.iter().find(|v| v.attrs.iter().any(|a| a.path().is_ident("default")))
+                    let usual =
+                        e.variants.iter().find(|v| v.attrs.iter().any(|a| a.path().is_ident("default")));
+                    usual.map(|v| written(e, v))
                 });
                 match (usual, self.values.get(name)) {
-                    (Some(v), _) => format!("`{}`", snake(&v.ident.to_string())),
-                    (None, Some(value)) => shown(value),
+                    (Some(value), _) => format!("`{value}`"),
+                    (None, Some(value)) => shown(value, &self.values),
                     (None, None) => "its defaults".to_owned(),
                 }
             }
         }
     }
+}
+
+/// A variant as files write it.
+fn written(e: &ItemEnum, v: &syn::Variant) -> String {
+    serde(&v.attrs, "rename").unwrap_or_else(|| {
+        let name = v.ident.to_string();
+        match serde(&e.attrs, "rename_all").unwrap_or_default().as_str() {
+            "lowercase" => name.to_lowercase(),
+            "kebab-case" => snake(&name).replace('_', "-"),
+            _ => snake(&name),
+        }
+    })
 }
 
 /// The anchor of a heading.
@@ -489,8 +497,9 @@ fn plain(text: &str) -> String {
     out.replace("\\[", "[").replace("\\]", "]").replace('|', "\\|")
 }
 
-/// An expression as a value of a file.
-fn shown(value: &Expr) -> String {
+/// An expression as a value of a file, with the values of these constants.
+fn shown(value: &Expr, constants: &BTreeMap<String, Expr>) -> String {
+    let inner = |value: &Expr| shown(value, constants);
     let number = |text: String| text.strip_suffix(".0").map_or(text.clone(), str::to_owned);
     match value {
         Expr::Lit(syn::ExprLit { lit: Lit::Float(f), .. }) => number(f.base10_digits().to_owned()),
@@ -502,20 +511,24 @@ fn shown(value: &Expr) -> String {
         Expr::Path(path) if path.path.segments.last().is_some_and(|s| s.ident == "NEG_INFINITY") => {
             "−∞".to_owned()
         }
+        Expr::Path(path) => {
+            let constant = path.path.segments.last().and_then(|s| constants.get(&s.ident.to_string()));
+            constant.map_or_else(|| "its default".to_owned(), inner)
+        }
         // `"text".to_owned()`, `"text".into()`.
-        Expr::MethodCall(call) => shown(&call.receiver),
+        Expr::MethodCall(call) => inner(&call.receiver),
         Expr::Macro(list) if list.mac.path.is_ident("vec") => {
             let values = list
                 .mac
                 .parse_body_with(syn::punctuated::Punctuated::<Expr, syn::Token![,]>::parse_terminated);
-            let values = values.map(|v| v.iter().map(shown).collect::<Vec<_>>().join(", "));
+            let values = values.map(|v| v.iter().map(inner).collect::<Vec<_>>().join(", "));
             values.map_or_else(|_| "its default".to_owned(), |v| format!("[{v}]"))
         }
-        Expr::Array(array) => format!("[{}]", array.elems.iter().map(shown).collect::<Vec<_>>().join(", ")),
+        Expr::Array(array) => format!("[{}]", array.elems.iter().map(inner).collect::<Vec<_>>().join(", ")),
         Expr::Struct(s) => {
             let field = |f: &syn::FieldValue| match &f.member {
-                syn::Member::Named(name) => format!("`{name}: {}`", shown(&f.expr)),
-                syn::Member::Unnamed(_) => shown(&f.expr),
+                syn::Member::Named(name) => format!("`{name}: {}`", inner(&f.expr)),
+                syn::Member::Unnamed(_) => inner(&f.expr),
             };
             s.fields.iter().map(field).collect::<Vec<_>>().join(", ")
         }
@@ -551,11 +564,13 @@ mod tests {
             plain("see [`VehicleSpec::with_tyre`], [`tyres`](Self::tyres) and \\[0, 1\\]; |e|"),
             "see `with_tyre`, `tyres` and [0, 1]; \\|e\\|"
         );
-        let value = |text: &str| shown(&syn::parse_str::<Expr>(text).unwrap());
+        let constants = BTreeMap::from([("RULES".to_owned(), syn::parse_str::<Expr>("\"paper\"").unwrap())]);
+        let value = |text: &str| shown(&syn::parse_str::<Expr>(text).unwrap(), &constants);
         assert_eq!(
             [value("1.0"), value("[0.0, 0.5]"), value("Self { speed: 0.5, latency: 2.0 }")],
             ["1", "[0, 0.5]", "`speed: 0.5`, `latency: 2`"]
         );
+        assert_eq!([value("vec![a::RULES.to_owned()]"), value("OTHER")], ["[`paper`]", "its default"]);
         assert_eq!([title("DoubleWishbone"), title("VehicleSpec")], ["Double wishbone", "Vehicle"]);
     }
 }

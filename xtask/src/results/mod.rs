@@ -275,7 +275,7 @@ fn success_among(run: &Path, tasks: &BTreeSet<String>) -> Result<Option<f64>, Fa
 /// The first and the last place of each of several runs, as `vb-harness report` ranks them.
 fn ranking(runs: &[PathBuf], folder: &Path) -> Result<Vec<Option<[u64; 2]>>, Failure> {
     let mut report = Command::new(built("vb-harness"));
-    report.arg("report").args(runs).args(["--message-format", "json", "--markdown"]);
+    report.arg("report").args(runs).args(["--message-format", "json", "--force", "--markdown"]);
     let done = report
         .arg(folder.join("report.md"))
         .stderr(Stdio::inherit())

@@ -1,6 +1,6 @@
 #!/bin/sh
-# accept.sh IN VERDICT NAME: takes a verified submission into the checkout in the working directory, as accepted/NAME and
-# plugins/NAME.wasm, on a branch accept/NAME. VERDICT is the folder that verify.sh left. An entry that is there is never replaced.
+# accept.sh IN VERDICT NAME: adds a verified submission to the checkout in the working directory, as accepted/NAME and
+# plugins/NAME.wasm, on a branch accept/NAME. VERDICT is the output folder of verify.sh. Existing entries are never replaced.
 set -eu
 in=$1 verdict=$2 name=$3
 case $name in

@@ -1,22 +1,21 @@
 #!/bin/sh
-# verify.sh IN OUT: verifies IN/submission with IN/planner.wasm, as collect.sh left them. Nothing of IN is executed but the
-# planner, in the harness's sandbox. Leaves in OUT: verification.json and comment.md. Ends with the harness's exit code: 0 if it
-# verifies, 9 if not.
+# verify.sh IN OUT: verifies IN/submission with IN/planner.wasm from collect.sh. Of IN only the planner is executed, in the
+# harness's sandbox. Writes verification.json and comment.md to OUT. Exits with the harness's exit code: 0 if verified, 9 if not.
 #   VB_HARNESS  the harness [vb-harness]
-#   VB_SAMPLE   number of tasks that are driven again [50]
-#   VB_OPEN     1: the open division may enter, too
+#   VB_SAMPLE   number of re-run tasks [50]
+#   VB_OPEN     1: also accepts the open division
 set -eu
 in=$1 out=$2
 harness=${VB_HARNESS:-vb-harness}
 mkdir -p "$out"
-# A link could lead what is read and removed below to anywhere.
+# A link could redirect the paths that are read and removed below.
 if [ -n "$(find "$in" -type l)" ]; then
     echo "**This submission does not verify.** It holds links." | tee "$out/comment.md"
     exit 9
 fi
 ranked=--ranked
 [ "${VB_OPEN:-}" = 1 ] && ranked=
-# A verdict that came along is the stranger's own.
+# An included verdict is untrusted.
 rm -rf "$out/verification.json" "$in/submission/verification.json" "$in/submission/holdout.json"
 code=0
 # shellcheck disable=SC2086 # nothing, if empty
@@ -29,7 +28,7 @@ code=0
     *) echo "**This submission could not be verified** (exit code $code)." ;;
     esac
     echo
-    # Indented text is shown as it is: nothing in it can become a link or a mention.
+    # Indented text is shown verbatim: it cannot contain links or mentions.
     sed 's/^/    /' "$out/told.txt"
     grep '^error:' "$out/errors.txt" | sed 's/^/    /' || true
 } >"$out/comment.md"

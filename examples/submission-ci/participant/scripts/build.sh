@@ -1,5 +1,5 @@
 #!/bin/sh
-# build.sh OUT: builds the planner and puts it at OUT. Change it to what your planner needs.
+# build.sh OUT: builds the planner as OUT. Adapt it to your planner.
 set -eu
 out=$1
 cargo build --release --target wasm32-unknown-unknown

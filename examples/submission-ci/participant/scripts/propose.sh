@@ -1,6 +1,6 @@
 #!/bin/sh
-# propose.sh OUT REMOTE NAME: puts planner and submission of OUT as incoming/NAME on the branch submit/NAME of REMOTE, which is
-# your fork of the leaderboard's repository. From there you open a pull request.
+# propose.sh OUT REMOTE NAME: pushes planner and submission of OUT as incoming/NAME to the branch submit/NAME of REMOTE, your
+# fork of the leaderboard's repository. Then open a pull request from it.
 set -eu
 out=$1 remote=$2 name=$3
 case $name in

@@ -1,9 +1,9 @@
 #!/bin/sh
-# submit.sh OUT: builds the planner, runs the suite, and leaves OUT/planner.wasm and OUT/submission.
+# submit.sh OUT: builds the planner, runs the suite, and writes OUT/planner.wasm and OUT/submission.
 #   VB_HARNESS  the harness [vb-harness]
 #   VB_SUITE    the suite [vb-100]
-#   VB_ENTRANT  who enters
-#   VB_NOTE     a sentence on the planner
+#   VB_ENTRANT  name of the entrant
+#   VB_NOTE     one-sentence description of the planner
 set -eu
 out=$1
 here=$(dirname "$0")

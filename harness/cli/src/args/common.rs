@@ -6,15 +6,8 @@ use clap::{Args, ColorChoice, ValueEnum};
 
 use super::values::{key_value, planner};
 
-/// The vehicle, soils, rules and perception profile where an option of any command is absent.
-pub(crate) const VEHICLE: &str = "hmmwv";
-pub(crate) const SOILS: &str = "default";
-pub(crate) const RULES: &str = "paper";
-pub(crate) const PERCEPTION: &str = vb_sense::profile::ORACLE;
-/// The step of the simulation, s, and the side of the cells in which soil remembers ruts, m, where an option is absent, and in commands
-/// without it.
-pub(crate) const TIME_STEP: f64 = 0.001;
-pub(crate) const SOIL_RESOLUTION: f64 = 0.1;
+// Where an option of any command is absent, and in commands without it.
+pub(crate) use vb_trial::defaults::{PERCEPTION, RULES, SOIL_RESOLUTION, SOILS, TIME_STEP, VEHICLE};
 
 /// The heading of the options of every command.
 const EVERYWHERE: &str = "Global options";

@@ -38,7 +38,7 @@ pub(crate) enum DatasetCommand {
     /// Write episodes of a dataset as MCAP files for Foxglove
     Mcap(DatasetMcapArgs),
     /// Validate a dataset: hashes, gaps, ranges, totals, worlds
-    #[command(alias = "check", after_help = codes(&[NOT_VERIFIED]))]
+    #[command(after_help = codes(&[NOT_VERIFIED]))]
     Validate(DatasetValidateArgs),
     /// Merge several datasets
     Merge(MergeArgs),
@@ -152,7 +152,7 @@ fn episodes(text: &str) -> Result<RangeInclusive<usize>, String> {
     let (from, to) = text.split_once('-').unwrap_or((text, text));
     match (from.parse(), to.parse()) {
         (Ok(from), Ok(to)) if from <= to => Ok(from..=to),
-        _ => Err(format!("\"{text}\" is no number, and no range as 10-19")),
+        _ => Err(format!("\"{text}\" is neither a number nor a range, e.g. 10-19")),
     }
 }
 
@@ -215,7 +215,7 @@ pub(crate) struct SceneArgs {
     pub(crate) out: PathBuf,
     #[command(flatten)]
     pub(crate) resume: ResumeArgs,
-    /// Dataset name; default: COMMAND-VEHICLE-SEED, e.g. explore-hmmwv-0
+    /// Dataset name; default: COMMAND-VEHICLE-SEED
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     /// Random seed; equal options and seeds give equal bytes

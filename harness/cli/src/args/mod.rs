@@ -323,13 +323,26 @@ mod tests {
         }
         assert!(parse(&[]).is_err() && parse(&["run"]).is_err() && parse(&["a.wasm"]).is_err());
         assert!(matches!(parse(&["score", "runs/a"]), Ok(Command::Score(_))));
-        assert_eq!(parse(&["-v", "vehicle", "check", "a.yaml"]).is_ok(), cfg!(feature = "vehicle"));
-        assert!(parse(&["suite", "check", "smoke"]).is_ok());
+        assert_eq!(parse(&["-v", "vehicle", "validate", "a.yaml"]).is_ok(), cfg!(feature = "vehicle"));
+        // No command has a second name that the help omits.
+        for group in ["suite", "vehicle", "dataset"] {
+            assert!(parse(&[group, "check", "a"]).is_err(), "{group}");
+        }
         let help = parse(&["--help"]).unwrap_err().to_string();
         assert!(
             help.contains("Usage: vb-harness [OPTIONS] <COMMAND>") && !help.contains("--trace"),
             "{help}"
         );
+    }
+
+    #[test]
+    fn the_default_of_a_list_is_what_a_user_could_give() {
+        let friction = |more: &[&str]| match parse(&[&["vehicle", "compare", "v", "r.csv"], more].concat()) {
+            Ok(Command::Vehicle(VehicleCommand::Compare(args))) => args.friction,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(friction(&[]), friction(&["--friction", "0.2,0.3,0.4,0.5,0.6,0.8,1"]));
+        assert_eq!(friction(&[]).len(), 7);
     }
 
     #[test]

@@ -77,4 +77,7 @@ pub(crate) struct InstallArgs {
     /// Planners: WASM files and native libraries
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
+    /// Replace installed planners with the same file names
+    #[arg(long)]
+    pub(crate) force: bool,
 }

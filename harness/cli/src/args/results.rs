@@ -176,6 +176,8 @@ pub(crate) struct ReplayArgs {
     /// HTML file for the replay; default: a temporary file, opened in the browser
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     /// Write an MCAP file; no HTML replay without --out
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,

@@ -9,8 +9,8 @@ use vb_world::Shard;
 
 use super::values::{bytes, log_mode, scale, shard, soil_resolution, time_step, trace_mode};
 use super::{
-    FormatArgs, JobsArgs, PERCEPTION, PlannerArgs, PluginArgs, RULES, ResumeArgs, SOIL_RESOLUTION, SOILS,
-    TIME_STEP, VEHICLE,
+    ForceArgs, FormatArgs, JobsArgs, PERCEPTION, PlannerArgs, PluginArgs, RULES, ResumeArgs, SOIL_RESOLUTION,
+    SOILS, TIME_STEP, VEHICLE,
 };
 
 /// Arguments of `run`. Other commands that drive tasks begin with its defaults ([`RunArgs::new`]).
@@ -129,6 +129,8 @@ pub(crate) struct CommandsArgs {
     /// File for the recording
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
     #[command(flatten)]
     pub(crate) format: FormatArgs,
 }

@@ -95,12 +95,12 @@ pub(crate) struct SiteArgs {
 fn pair(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     let both = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
-    both.ok_or_else(|| format!("{text:?} is not two numbers, such as 120,-35.5"))
+    both.ok_or_else(|| format!("{text:?} is not two numbers, e.g. 120,-35.5"))
 }
 
 /// A number, which may be NaN.
 fn any_number(text: &str) -> Result<f64, String> {
-    text.trim().parse::<f64>().map_err(|_| format!("{text:?} is no number, such as -9999 or nan"))
+    text.trim().parse::<f64>().map_err(|_| format!("{text:?} is not a number, e.g. -9999 or nan"))
 }
 
 /// A coordinate reference system.

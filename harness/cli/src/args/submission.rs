@@ -121,6 +121,8 @@ pub(crate) struct EvaluateArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) force: ForceArgs,
+    #[command(flatten)]
     pub(crate) format: FormatArgs,
 }
 

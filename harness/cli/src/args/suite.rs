@@ -15,7 +15,6 @@ pub(crate) enum SuiteCommand {
     /// Show the figures of a suite; with --out, write an HTML report with a map of every world
     Show(ShowArgs),
     /// Validate a suite: files, hashes, starts, goals, paths, obstacles, labels
-    #[command(alias = "check")]
     Validate(ValidateArgs),
     /// Record the tasks that runs have solved, as a solvability certificate
     Prove(ProveArgs),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::ForceArgs;
 use super::exit_codes::codes;
 use super::values::positive;
 use crate::error::INTERRUPTED;
@@ -51,6 +52,8 @@ pub(crate) struct SurfaceArgs {
     /// File for a hill-shaded picture
     #[arg(long, value_name = "PNG")]
     pub(crate) preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) force: ForceArgs,
 }
 
 /// The relief of a surface.

@@ -14,7 +14,6 @@ pub(crate) enum VehicleCommand {
     /// Show a vehicle's data, and draw it
     Show(VehicleShowArgs),
     /// Validate all values of a vehicle file
-    #[command(alias = "check")]
     Validate(VehicleArgs),
     /// Drive a vehicle through standard events, and compare it with theory, published figures and Project Chrono
     #[command(
@@ -93,7 +92,7 @@ pub(crate) struct VehicleCompareArgs {
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
     /// Friction coefficients of the ground, which recordings do not have
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0])]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "0.2,0.3,0.4,0.5,0.6,0.8,1")]
     pub(crate) friction: Vec<f64>,
     /// Directory for report.html, results.json and the table of windows; default: runs/compare-VEHICLE-N
     #[arg(short, long, value_name = "DIR")]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 use vb_dataset::{
-    DATASET_SCHEMA, Dataset, DatasetWriter, Format, Header, Kind, LICENCE, Layout, Making, PlannerHeader,
-    keep_apart,
+    DATASET_SCHEMA, Dataset, DatasetError, DatasetWriter, Format, Header, Kind, LICENCE, Layout, Making,
+    PlannerHeader, keep_apart,
 };
 use vb_host::Limits;
 use vb_record::{NewFolder, RunHeader, RunReader};
@@ -41,31 +41,31 @@ fn of_dataset(args: &FailuresArgs) -> Result<(), CliError> {
     let frames = (args.duration * f64::from(before.hz)).ceil() as usize;
     let mut writer = begin(args, header, &worlds, frames)?;
     if vb_dataset::failures(&dataset, &mut writer, args.duration)? == 0 {
-        return Err(CliError::input(format!("{}: no episode of it failed", args.of.display())));
+        return Err(CliError::input(format!("{}: it contains no failed episode", args.of.display())));
     }
     finish(writer, true, &args.out, args.format.get())
 }
 
 fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
-    let reader = RunReader::open(&args.of).map_err(CliError::input)?;
-    let mut records: Vec<TaskRecord> = reader.records().map_err(CliError::input)?;
+    let reader = RunReader::open(&args.of)?;
+    let mut records: Vec<TaskRecord> = reader.records()?;
     records.retain(|r| [Outcome::Rollover, Outcome::Stuck].contains(&r.outcome));
     // Runs write their records as the tasks end.
     records.sort_by(|a, b| a.task.cmp(&b.task));
     if records.is_empty() {
         return Err(CliError::input(format!(
-            "{}: no task of it rolled over or got stuck",
+            "{}: it contains no task with a rollover or a stuck vehicle",
             args.of.display()
         )));
     }
     let header = reader.header();
     let suite = places::suite_of(header, args.data.suite.as_deref())?;
-    let of_a_suite = match suites_apart(&suite) {
-        Ok(()) => false,
-        Err(_) if args.of_a_suite => true,
-        Err(e) => {
+    let of_a_suite = match suite_world(&suite)? {
+        None => false,
+        Some(_) if args.of_a_suite => true,
+        Some(e) => {
             return Err(CliError::usage(format!(
-                "{e}; or give --of-a-suite if the failures are only to be looked at"
+                "{e}; or give --of-a-suite if the failures are for inspection only"
             )));
         }
     };
@@ -117,7 +117,7 @@ fn of_run(args: &FailuresArgs) -> Result<(), CliError> {
     let done =
         making.failures_again(&mut writer, &reader, &records, args.duration, &mut |p| told.progress(p))?;
     if !done {
-        return Err(CliError::interrupted("stopped, and nothing is kept (the same command begins anew)"));
+        return Err(CliError::interrupted("stopped without output (the same command starts again)"));
     }
     finish(writer, true, &args.out, args.format.get())
 }
@@ -133,13 +133,17 @@ fn begin(
     Ok(DatasetWriter::create_whole(folder, header, worlds, frames)?)
 }
 
-/// Whether the worlds are in no suite that comes with the harness.
-fn suites_apart(suite: &Suite) -> Result<(), CliError> {
+/// The error that names a world of the suite that a suite of the harness has, too; `None` if there is no such world.
+fn suite_world(suite: &Suite) -> Result<Option<DatasetError>, CliError> {
     let mut others = Vec::new();
     for dir in places::catalog().suites()? {
-        others.push(Suite::open(dir).map_err(CliError::input)?);
+        others.push(Suite::open(dir)?);
     }
-    Ok(keep_apart(suite, &others)?)
+    match keep_apart(suite, &others) {
+        Ok(()) => Ok(None),
+        Err(e @ DatasetError::SuiteWorld { .. }) => Ok(Some(e)),
+        Err(e) => Err(e.into()),
+    }
 }
 
 /// What a run's trials have in common, with the data at hand if they are those of the run.
@@ -160,7 +164,7 @@ fn setting(args: &FailuresArgs, header: &RunHeader) -> Result<Setting, CliError>
     ];
     if let Some((what, name, ..)) = at_hand.iter().find(|(_, _, own, now)| own != now) {
         return Err(CliError::input(format!(
-            "the {what} {name} at hand is not that of the run (name the run's file with --vehicle or --soils, or drive the run again)"
+            "the available {what} {name} differs from that of the run (give the run's file with --vehicle or --soils, or re-run)"
         )));
     }
     let rules =

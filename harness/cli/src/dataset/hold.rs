@@ -20,7 +20,7 @@ enum Message<'a> {
 pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
     let mut suites = Vec::new();
     for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
-        suites.push(Suite::open(dir).map_err(CliError::input)?);
+        suites.push(Suite::open(dir)?);
     }
     let findings = vb_dataset::validate(&args.dataset, &suites)?.0;
     match args.format.get() {
@@ -36,12 +36,12 @@ pub(super) fn validate(args: &DatasetValidateArgs) -> Result<(), CliError> {
     match findings.len() {
         0 => {
             if args.format.get() == MessageFormat::Human {
-                output::text(&format!("{}: all is as it should be\n", args.dataset.display()));
+                output::text(&format!("{}: valid\n", args.dataset.display()));
             }
             Ok(())
         }
         n => Err(CliError::not_verified(format!(
-            "{}: {n} {} (take the dataset from its source again, or make it again by the command in its README.md)",
+            "{}: {n} {} (copy the dataset from its source again, or re-create it with the command in its README.md)",
             args.dataset.display(),
             if n == 1 { "finding" } else { "findings" }
         ))),
@@ -57,7 +57,7 @@ pub(super) fn merge(args: &MergeArgs) -> Result<(), CliError> {
     tell(&merged?, &args.out, args.format.get());
     match vb_dataset::repeated(&datasets) {
         0 => {}
-        n => output::say(&format!("{n} episodes are in several of the datasets, and count as often")),
+        n => output::say(&format!("{n} episodes are in several of the datasets, and are duplicates")),
     }
     Ok(())
 }

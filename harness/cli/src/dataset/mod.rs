@@ -75,9 +75,7 @@ fn worlds_for(args: &ExploreArgs) -> u32 {
 
 fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
     if args.plugin.len() > 1 && !args.params.is_empty() {
-        return Err(CliError::usage(
-            "--param: whose it is isn't clear with several planners (give one --plugin)",
-        ));
+        return Err(CliError::usage("--param: ambiguous with several planners (give one --plugin)"));
     }
     let rules = Rules::resolve(&args.rules).map_err(CliError::input)?;
     let scene = Scene::new(&args.scene, rules)?;
@@ -89,7 +87,7 @@ fn drive(args: &DatasetDriveArgs) -> Result<(), CliError> {
         let plugin = planner::load(wanted, &limits, false).map_err(|e| planner::unusable(&e))?;
         if plugins.iter().any(|known| known.sha256() == plugin.sha256()) {
             return Err(CliError::usage(format!(
-                "--plugin {}: this planner is there twice, and all that it drives would be, too (name it once)",
+                "--plugin {}: this planner is given twice, and its episodes would be duplicates (give it once)",
                 wanted.display()
             )));
         }

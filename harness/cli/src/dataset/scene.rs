@@ -58,7 +58,7 @@ impl<'a> Scene<'a> {
         };
         let mut others = Vec::new();
         for dir in places::catalog().suites()?.iter().chain(&args.apart_from) {
-            others.push(Suite::open(dir).map_err(CliError::input)?);
+            others.push(Suite::open(dir)?);
         }
         keep_apart(&worlds, &others)?;
         let scale = args.scale.unwrap_or(vehicle.spec.scale);

@@ -1,13 +1,15 @@
 //! `vb-harness dataset show` and `mcap`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::json;
+use vb_catalog::CatalogError;
 use vb_dataset::Dataset;
 use vb_dataset_report::{Clip, Figures, Overview, clip, examples};
 use vb_replay::{Link, Links};
+use vb_trial::Cache;
 use vb_vehicle::VehicleModel;
 use vb_world::{Suite, World};
 
@@ -22,28 +24,19 @@ const WORLDS: usize = 128;
 struct Worlds {
     suite: Suite,
     scale: f64,
-    loaded: BTreeMap<String, Arc<World>>,
+    loaded: Cache<Arc<World>>,
 }
 
 impl Worlds {
-    fn load(&mut self, id: &str) -> Result<Arc<World>, CliError> {
-        if let Some(world) = self.loaded.get(id) {
-            return Ok(world.clone());
-        }
-        if self.loaded.len() == WORLDS {
-            self.loaded.clear();
-        }
-        let world = self.suite.load_world(id).map_err(CliError::input)?;
-        let world = Arc::new(world.at_scale(self.scale));
-        self.loaded.insert(id.to_owned(), world.clone());
-        Ok(world)
+    fn load(&self, id: &str) -> Result<Arc<World>, CliError> {
+        self.loaded.get(id, || Ok(Arc::new(self.suite.load_world(id)?.at_scale(self.scale))))
     }
 }
 
 fn open(dir: &Path) -> Result<(Dataset, Worlds), CliError> {
     let dataset = Dataset::open(dir)?;
     let suite = dataset.worlds()?;
-    let worlds = Worlds { suite, scale: dataset.header().scale, loaded: BTreeMap::new() };
+    let worlds = Worlds { suite, scale: dataset.header().scale, loaded: Cache::new(WORLDS) };
     Ok((dataset, worlds))
 }
 
@@ -53,9 +46,10 @@ fn vehicle(dataset: &Dataset, wanted: Option<&str>) -> Result<VehicleModel, CliE
     let found = places::catalog().vehicle(wanted.unwrap_or(&own.name));
     match found {
         Ok(found) if found.hash == own.hash => VehicleModel::new(found.spec).map_err(CliError::input),
-        Err(e) if wanted.is_some() => Err(e.into()),
-        _ => Err(CliError::input(format!(
-            "the vehicle {} at hand is not that of the dataset (name its file with --vehicle)",
+        Err(e) if wanted.is_some() || !matches!(e, CatalogError::Unknown { .. }) => Err(e.into()),
+        // Another vehicle has the name, or none that comes with the harness has it.
+        Ok(_) | Err(_) => Err(CliError::input(format!(
+            "the available vehicle {} differs from that of the dataset (give its file with --vehicle)",
             wanted.unwrap_or(&own.name)
         ))),
     }
@@ -77,7 +71,7 @@ fn links(chosen: &BTreeSet<usize>, index: usize) -> Links {
 }
 
 pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
-    let (dataset, mut worlds) = open(&args.dataset)?;
+    let (dataset, worlds) = open(&args.dataset)?;
     let vehicle = match vehicle(&dataset, args.vehicle.as_deref()) {
         Ok(vehicle) => Some(vehicle),
         Err(e) if args.vehicle.is_some() => return Err(e),
@@ -139,7 +133,7 @@ pub(super) fn show(args: &DatasetShowArgs) -> Result<(), CliError> {
 }
 
 pub(super) fn mcap(args: &DatasetMcapArgs) -> Result<(), CliError> {
-    let (dataset, mut worlds) = open(&args.dataset)?;
+    let (dataset, worlds) = open(&args.dataset)?;
     let vehicle = vehicle(&dataset, args.vehicle.as_deref())?;
     let count = dataset.infos().len();
     if let Some(range) = args.episodes.iter().find(|r| *r.end() >= count) {

@@ -15,7 +15,7 @@ use vb_world::TaskId;
 
 use super::finish;
 use super::scene::Scene;
-use crate::args::{JobsArgs, TeleopArgs};
+use crate::args::{JobsArgs, RULES, TeleopArgs};
 use crate::error::CliError;
 use crate::{output, replay, run, suite};
 
@@ -30,7 +30,7 @@ enum Message<'a> {
 }
 
 pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
-    let rules = Rules::resolve("paper").map_err(CliError::internal)?;
+    let rules = Rules::resolve(RULES).map_err(CliError::internal)?;
     let scene = Scene::new(&args.scene, rules)?;
     let tasks = suite::select(&scene.worlds, args.tasks.as_deref())?;
     let layout = scene.layout(false, true);
@@ -54,7 +54,7 @@ pub(super) fn teleop(args: &TeleopArgs) -> Result<(), CliError> {
     seat.serve(&cancel)?;
     let Seat { writer, .. } = seat;
     if writer.episodes() == 0 {
-        return Err(CliError::interrupted("stopped: nobody has driven, and there is no dataset"));
+        return Err(CliError::interrupted("stopped without an episode, so there is no dataset"));
     }
     finish(writer, true, &args.scene.out, args.scene.format.get())
 }
@@ -90,7 +90,7 @@ impl Seat<'_> {
     /// Sends the page a task's world and vehicle.
     fn show(&self, task: &TaskId, driving: bool) -> Result<(), CliError> {
         let setting = &self.scene.setting;
-        let world = self.scene.worlds.load_world(task.world()).map_err(CliError::input)?;
+        let world = self.scene.worlds.load_world(task.world())?;
         let world = Arc::new(world.at_scale(setting.scale));
         let Some(found) = world.task(task.task()) else { return Ok(()) };
         let radius = setting.rules.goal_radius(setting.scale);
@@ -144,7 +144,7 @@ impl Seat<'_> {
         let episodes = self.writer.episodes();
         let info = &episode.info;
         let text = if given_up {
-            "given up: it isn't kept".to_owned()
+            "discarded".to_owned()
         } else {
             format!("{} after {:.1} s: {}", info.outcome.name().replace('_', " "), info.time_s, info.reason)
         };
@@ -154,7 +154,7 @@ impl Seat<'_> {
         if self.json {
             output::json(&Message::Episode { task, outcome: info.outcome.name(), frames, episodes });
         } else {
-            output::note(&format!("{task}: {text}; {episodes} episodes are kept"));
+            output::note(&format!("{task}: {text}; {episodes} episodes stored"));
         }
         Ok(asked.filter(|a| matches!(a, Ask::Start(_))))
     }

@@ -6,13 +6,20 @@ use crate::args::InstallArgs;
 use crate::error::CliError;
 use crate::output;
 
-/// Copies all files, or none if one of them is no planner.
+/// Copies all files, or none if one of them is no planner or would replace an installed one that is to stay.
 pub(crate) fn install(args: &InstallArgs) -> Result<(), CliError> {
     let folder = vb_catalog::installed_planners().ok_or_else(|| {
-        CliError::output(format!("there is no folder for planners (set {}, or HOME)", vb_catalog::DATA_VAR))
+        CliError::output(format!("no folder for planners is defined (set {}, or HOME)", vb_catalog::DATA_VAR))
     })?;
     for file in &args.files {
         vb_host::inspect(file).map_err(|e| CliError::input(e.to_string()))?;
+        let installed = file.file_name().map(|name| folder.join(name)).filter(|path| path.exists());
+        if let Some(installed) = installed.filter(|_| !args.force) {
+            return Err(CliError::output(format!(
+                "{} is installed already (replace it with --force, or give the new file another name)",
+                installed.display()
+            )));
+        }
     }
     for file in &args.files {
         let installed = copy(file, &folder).map_err(|e| {
@@ -22,7 +29,7 @@ pub(crate) fn install(args: &InstallArgs) -> Result<(), CliError> {
     }
     if let Some(named) = std::env::var_os(vb_catalog::PLUGINS_VAR).filter(|v| !v.is_empty()) {
         output::say(&format!(
-            "note: {} names {}, and planners are looked for nowhere else",
+            "note: {} is {}, so planners are searched only there",
             vb_catalog::PLUGINS_VAR,
             Path::new(&named).display()
         ));

@@ -7,24 +7,29 @@ use vb_sdk::metadata::{self, Metadata, Need, ParamSpec};
 
 use crate::error::CliError;
 
-/// `planner.yaml`, as `docs/abi.md` describes it.
+/// The metadata of a planner that isn't written in Rust.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
+    /// The planner's name.
     name: String,
+    /// The planner's version.
     version: String,
+    /// The authors, with addresses if they like.
     #[serde(default)]
     authors: Vec<String>,
+    /// One sentence on the planner.
     #[serde(default)]
     about: String,
-    /// s.
+    /// The time between two steps, s.
     control_period: f64,
+    /// The parameters that users can set.
     #[serde(default)]
     params: Vec<Param>,
-    /// Sensors and how often they are to be read, e.g. `lidar 10`.
+    /// Requested sensors, each with its rate in Hz, e.g. `lidar 10`.
     #[serde(default)]
     needs: Vec<String>,
-    /// The same, for profiles that leave out one of the task's maps.
+    /// Sensors requested in addition under profiles without prior maps.
     #[serde(default)]
     needs_without_maps: Vec<String>,
     /// Learned weights with their hashes.
@@ -35,8 +40,11 @@ struct Document {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Param {
+    /// The parameter's name.
     name: String,
+    /// The parameter's default value.
     default: String,
+    /// A description with the unit.
     #[serde(default)]
     help: String,
 }
@@ -54,10 +62,10 @@ fn parse(text: &str) -> Result<Metadata, String> {
     let Document { name, version, authors, about, control_period, params, needs, needs_without_maps, models } =
         document;
     if !metadata::is_name(&name) {
-        return Err(format!("name: {name:?} is no planner's name; use a-z, 0-9, - and _"));
+        return Err(format!("name: {name:?} is not a valid planner name; use a-z, 0-9, - and _"));
     }
     if version.trim().is_empty() {
-        return Err("version: it is empty; results are told apart by it, e.g. 0.1.0".into());
+        return Err("version: it is empty; it identifies results, e.g. 0.1.0".into());
     }
     if let Some(author) = authors.iter().find(|a| a.is_empty() || a.contains(':')) {
         return Err(format!("authors: {author:?} must be a text without a colon, which separates authors"));
@@ -142,9 +150,9 @@ models: [hills.vbnn sha256 1]
             ("name: mode", "name: speed", "params[1].name: \"speed\" is declared twice"),
             ("name: mode", "name: 'a=b'", "params[1].name: \"a=b\""),
             ("about:", "abuot:", "abuot"),
-            ("about:", "needs: [radar]\nabout:", "needs[0]: there is no sensor `radar`"),
-            ("about:", "needs: [imu 30]\nabout:", "needs[0]: imu can't be read 30 times a second"),
-            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is asked for twice"),
+            ("about:", "needs: [radar]\nabout:", "needs[0]: unknown sensor `radar`"),
+            ("about:", "needs: [imu 30]\nabout:", "needs[0]: the rate `30` of imu must be"),
+            ("about:", "needs: [imu, imu 10]\nabout:", "needs[1]: imu is requested twice"),
         ] {
             let e = changed(from, to);
             assert!(e.contains(says) && e.lines().count() == 1, "{to}: {e}");

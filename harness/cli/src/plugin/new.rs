@@ -21,7 +21,7 @@ pub(crate) fn new(args: &NewArgs) -> Result<(), CliError> {
         Language::Rust => sdk(args.sdk.as_deref())?,
         _ if args.sdk.is_some() => {
             return Err(CliError::usage(
-                "--sdk is for --lang rust; other languages carry the interface in wit/",
+                "--sdk applies to --lang rust; other languages contain the interface in wit/",
             ));
         }
         _ => String::new(),
@@ -29,7 +29,7 @@ pub(crate) fn new(args: &NewArgs) -> Result<(), CliError> {
     let dir = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.name));
     write(&dir, &template::files(args.lang, &args.name, &sdk))?;
     output::text(&format!(
-        "{}: a planner to start from; its README.md says how to build and run it\n",
+        "{}: a planner template; its README.md describes how to build and run it\n",
         dir.display()
     ));
     Ok(())
@@ -41,8 +41,8 @@ fn check_name(name: &str) -> Result<(), CliError> {
         return Ok(());
     }
     Err(CliError::usage(format!(
-        "{name:?} can't be a planner's name: use up to {NAME_MAX} of a-z, 0-9, - and _, a letter first, and no name \
-         of Rust's own such as core"
+        "{name:?} is not a valid planner name: use up to {NAME_MAX} of a-z, 0-9, - and _, starting with a letter, and no \
+         Rust crate name such as core"
     )))
 }
 
@@ -55,12 +55,12 @@ fn sdk(wanted: Option<&str>) -> Result<String, CliError> {
     let dir = match wanted {
         Some(path) => PathBuf::from(path),
         None => places::sdk().ok_or_else(|| {
-            CliError::input("the SDK is not found beside the built-in tasks; say where it is by --sdk")
+            CliError::input("the SDK was not found next to the built-in tasks; give its folder with --sdk")
         })?,
     };
     if !dir.join("Cargo.toml").is_file() {
         return Err(CliError::input(format!(
-            "{}: there is no Cargo.toml of the SDK; --sdk wants the folder `sdk` of a checkout, or a git URL",
+            "{}: it has no Cargo.toml of the SDK; give --sdk the folder `sdk` of a checkout, or a git URL",
             dir.display()
         )));
     }
@@ -68,7 +68,7 @@ fn sdk(wanted: Option<&str>) -> Result<String, CliError> {
     match dir.to_str() {
         // JSON's quotes and escapes are TOML's too.
         Some(path) => Ok(key("path", path)),
-        None => Err(CliError::input(format!("{}: cargo wants a path that is UTF-8", dir.display()))),
+        None => Err(CliError::input(format!("{}: cargo needs a UTF-8 path", dir.display()))),
     }
 }
 
@@ -82,7 +82,7 @@ fn write(dir: &Path, files: &[File]) -> Result<(), CliError> {
     };
     if !is_free {
         return Err(CliError::output(format!(
-            "{}: there are files already, and nothing is overwritten; choose another place by --dir",
+            "{}: files already exist and are not overwritten; choose another place with --dir",
             dir.display()
         )));
     }
@@ -90,7 +90,7 @@ fn write(dir: &Path, files: &[File]) -> Result<(), CliError> {
         let path = dir.join(file.path);
         let folder = path.parent().unwrap_or(dir);
         std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
-        std::fs::write(&path, &file.content).map_err(|e| failed(&path, e))?;
+        vb_files::write(&path, &file.content).map_err(|e| failed(&path, e))?;
         if file.executable {
             make_executable(&path).map_err(|e| failed(&path, e))?;
         }
@@ -143,7 +143,7 @@ mod tests {
         let project = dir.path().join("p");
         write(&project, &[file("first")]).unwrap();
         let e = write(&project, &[file("second")]).unwrap_err().to_string();
-        assert!(e.contains("nothing is overwritten"), "{e}");
+        assert!(e.contains("are not overwritten"), "{e}");
         assert_eq!(std::fs::read_to_string(project.join("a/b.txt")).unwrap(), "first");
         // An empty folder is as good as none; a file is no folder.
         std::fs::create_dir(dir.path().join("empty")).unwrap();

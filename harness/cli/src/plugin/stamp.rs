@@ -42,7 +42,7 @@ pub(crate) fn stamp(args: &StampArgs) -> Result<(), CliError> {
 /// The module or component with this text as its metadata.
 fn with_section(bytes: &[u8], text: &[u8]) -> Result<Vec<u8>, String> {
     let header = bytes.get(..HEADER).filter(|h| h.starts_with(b"\0asm"));
-    let header = header.ok_or("it is no WebAssembly; only WASM planners are stamped")?;
+    let header = header.ok_or("it is not WebAssembly; only WASM planners are stamped")?;
     let damaged = |e: wasmparser::BinaryReaderError| format!("the plugin is truncated or damaged: {e}");
     let mut out = header.to_vec();
     let mut rest = BinaryReader::new(&bytes[HEADER..], HEADER);
@@ -61,11 +61,9 @@ fn with_section(bytes: &[u8], text: &[u8]) -> Result<Vec<u8>, String> {
         if let Payload::CustomSection(section) = payload.map_err(damaged)?
             && section.name() == WASM_SECTION
         {
-            return Err(
-                "a module inside it carries metadata already, as vb_sdk::export_planner! writes it; \
+            return Err("a module inside it already contains metadata from vb_sdk::export_planner!; \
                         change it there"
-                    .into(),
-            );
+                .into());
         }
     }
     CustomSection { name: WASM_SECTION.into(), data: text.into() }.append_to(&mut out);
@@ -131,8 +129,8 @@ mod tests {
 
     #[test]
     fn what_is_no_webassembly_or_damaged_is_refused() {
-        assert!(with_section(b"", b"x").unwrap_err().contains("no WebAssembly"));
-        assert!(with_section(b"\x7fELF....", b"x").unwrap_err().contains("no WebAssembly"));
+        assert!(with_section(b"", b"x").unwrap_err().contains("not WebAssembly"));
+        assert!(with_section(b"\x7fELF....", b"x").unwrap_err().contains("not WebAssembly"));
         let cut = [MODULE, &section("producers", b"12345")[..4]].concat();
         assert!(with_section(&cut, b"x").unwrap_err().contains("damaged"));
     }

@@ -88,9 +88,8 @@ pub(super) fn calibrate(args: &GenerateArgs, vehicle: &str) -> Result<(), CliErr
         Some(path) => vb_files::read_text(path, vb_files::DOCUMENT).map_err(CliError::input)?,
         None => GeneratorParams::DEFAULT_YAML.to_owned(),
     };
-    let text = with_std(&text, [low, medium, high]).ok_or_else(|| {
-        CliError::input("the rules have no line `std: {low: …}` in which the relief could be written")
-    })?;
+    let text = with_std(&text, [low, medium, high])
+        .ok_or_else(|| CliError::input("the rules have no line `std: {low: …}` for the relief"))?;
     GeneratorParams::parse(&text, "calibrated rules").map_err(CliError::internal)?;
     let calibration = Calibration {
         schema: 1,
@@ -187,14 +186,14 @@ fn evaluate(
         vb_files::sha256(format!("{params:?} {:?} {worlds}", generator.meta("", "").provenance).as_bytes());
     let dir = args.drawn.out.join("worlds").join(format!("{name}-{}", &key[..8]));
     if !dir.join(super::INDEX).is_file() {
-        output::note(&format!("making {worlds} {} worlds with the relief x {factor:.3}", level.name()));
+        output::note(&format!("generating {worlds} {} worlds with the relief x {factor:.3}", level.name()));
         let indices: Vec<usize> = (0..worlds).map(|k| 3 * k + level as usize).collect();
         let folder = vb_record::NewFolder::new(&dir).map_err(CliError::output)?;
         generator.write_some(folder.dir(), generator.meta(&name, "1"), &indices, |_, _| {})?;
         folder.finish(super::INDEX).map_err(CliError::output)?;
     }
-    let suite = Suite::open(&dir).map_err(CliError::input)?;
-    let facets = SuiteStatistics::of(&suite).map_err(CliError::input)?;
+    let suite = Suite::open(&dir)?;
+    let facets = SuiteStatistics::of(&suite)?;
     let facet_slope_p99 = facets.relief.first().map_or(0.0, |r| r.roughness.facets.p99);
     let out = args.drawn.out.join("runs").join(format!("{name}-{}", &key[..8]));
     let mut drive = RunArgs::new(plugin(args)?);
@@ -211,8 +210,7 @@ fn evaluate(
     if report.interrupted {
         return Err(CliError::interrupted("stopped; continue with the same command and --resume"));
     }
-    let records =
-        RunReader::open(&out).and_then(|run| run.records::<TaskRecord>()).map_err(CliError::input)?;
+    let records = RunReader::open(&out).and_then(|run| run.records::<TaskRecord>())?;
     let count = |is: &dyn Fn(&TaskRecord) -> bool| records.iter().filter(|r| is(r)).count();
     Ok(Trial {
         level,

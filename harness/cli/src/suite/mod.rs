@@ -59,7 +59,7 @@ pub(crate) fn open(wanted: &Path) -> Result<Suite, CliError> {
     let found = places::catalog().suite(Some(wanted))?;
     if is_another(wanted, &found) {
         output::note(&format!(
-            "note: {here} is the suite that comes with the harness; the one in the folder {here} here is ./{here}",
+            "note: {here} is the built-in suite; use ./{here} for the folder {here}",
             here = wanted.display()
         ));
     }
@@ -115,7 +115,7 @@ fn make(out: &Path, write: impl FnOnce(&Path) -> Result<Suite, CliError>) -> Res
     let folder = NewFolder::new(out).map_err(CliError::output)?;
     write(&folder.dir())?;
     folder.finish(INDEX).map_err(CliError::output)?;
-    done(&Suite::open(out).map_err(CliError::input)?);
+    done(&Suite::open(out)?);
     Ok(())
 }
 
@@ -162,7 +162,7 @@ fn granular(args: &GenerateArgs) -> Result<(), CliError> {
     keep_apart(drawn.seed, args.training)?;
     let params = rules::<GranularParams>(args.params.as_deref())?;
     let suite = GranularSuite::new(&params, args.params.as_deref(), drawn.seed).map_err(CliError::input)?;
-    let worlds = suite.worlds().map_err(CliError::input)?;
+    let worlds = suite.worlds()?;
     write(&drawn.out, suite.meta(&name(drawn), &drawn.suite_version), worlds.into_iter().map(Ok))
 }
 
@@ -178,7 +178,7 @@ fn keep_apart(seed: u64, training: bool) -> Result<(), CatalogError> {
 /// The suite of training worlds with this seed and number: where it was made before, or made now.
 #[cfg(feature = "dataset")]
 pub(crate) fn training(seed: u64, worlds: u32) -> Result<Suite, CliError> {
-    let making = &mut || output::note(&format!("making {worlds} training worlds of seed {seed}"));
+    let making = &mut || output::note(&format!("generating {worlds} training worlds of seed {seed}"));
     places::catalog().training(seed, worlds, making).map_err(|e| match e {
         // The option is another one than that of `suite generate`.
         CatalogError::NoTrainingSeed(_) => CliError::usage(format!("--world-{e}")),
@@ -205,7 +205,7 @@ pub(crate) fn tasks(args: &TasksArgs) -> Result<(), CliError> {
     let suite = open(&args.suite)?;
     let mut rows = Vec::new();
     for task in select(&suite, args.tasks.as_deref())? {
-        let world = suite.world_info(task.world()).map_err(CliError::input)?;
+        let world = suite.world_info(task.world())?;
         match args.format.get() {
             MessageFormat::Json => output::json(&TaskMessage {
                 event: "task",

@@ -25,13 +25,13 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
     let hash = suite.hash();
     let mut proof: Option<Proof> = None;
     for dir in &args.runs {
-        let run = RunReader::open(dir).map_err(CliError::input)?;
+        let run = RunReader::open(dir)?;
         let header = run.header();
         let wrong =
             |problem: String| CliError::input(format!("{}: {problem}", dir.join("run.json").display()));
         if header.suite.hash != hash {
             return Err(wrong(format!(
-                "is a run of a suite with hash {}, and {} has {hash}: run the planner on this suite",
+                "belongs to a suite with hash {}, but {} has {hash}: run the planner on this suite",
                 header.suite.hash,
                 suite.dir().display()
             )));
@@ -40,17 +40,21 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
         let proof = proof.get_or_insert_with(|| Proof::new(&suite, conditions.clone()));
         if proof.conditions != conditions {
             return Err(wrong(
-                "differs from the first run in harness, vehicle, soils, rules, scale or step: prove them in files of their own (--out)"
+                "differs from the first run in harness, vehicle, soils, rules, scale or step: use separate certificate files (--out)"
                     .into(),
             ));
         }
-        let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
+        let records: Vec<TaskRecord> = run.records()?;
         let done = records.into_iter().filter(|r| r.outcome == Outcome::Success);
         let proven = proof.add(prover(header), done.map(|r| (r.task, r.time_s, r.state_hash)));
         if args.format.is_json() {
             output::json(&Message::Run { run: dir, planner: &header.plugin.name, proven });
         } else {
-            output::text(&format!("{}: {proven} more by {}\n", dir.display(), header.plugin.name));
+            output::text(&format!(
+                "{}: {proven} more certificates with {}\n",
+                dir.display(),
+                header.plugin.name
+            ));
         }
     }
     // The arguments demand a run.
@@ -68,7 +72,7 @@ pub(crate) fn prove(args: &ProveArgs) -> Result<(), CliError> {
     if args.format.is_json() {
         output::json(&Message::Proof { path: &path, proven, tasks, unproven: &proof.unproven });
     } else {
-        output::text(&format!("{}: {proven} of {tasks} tasks are proven\n", path.display()));
+        output::text(&format!("{}: {proven} of {tasks} tasks have certificates\n", path.display()));
     }
     Ok(())
 }
@@ -82,7 +86,7 @@ fn keep(suite: &Suite, new: &Proof) -> Result<(), CliError> {
         return Ok(());
     }
     Err(CliError::usage(format!(
-        "{} proves {lost} tasks that these runs don't: name the runs that do, too, or another file with --out",
+        "{} has certificates of {lost} tasks that these runs do not solve: add the runs that solve them, or give another file with --out",
         Proof::path(suite).display()
     )))
 }

@@ -44,7 +44,7 @@ pub(crate) fn show(args: &ShowArgs) -> Result<(), CliError> {
     let mut survey = Survey::default();
     let mut album = args.out.as_ref().map(|_| Album::new(suite.worlds().len()));
     for info in suite.worlds() {
-        let world = suite.load_world(&info.id).map_err(CliError::input)?;
+        let world = suite.load_world(&info.id)?;
         let figures = survey.add(&world);
         if let Some(album) = &mut album {
             album.add(&world, figures);

@@ -53,17 +53,20 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let resolution = match heights.resolution() {
         Some(resolution) if !levels => resolution,
         resolution => {
-            let distance = "how far apart its samples are: give --sample-resolution, in metres";
+            let distance = "the sample spacing: give --sample-resolution, m";
             let distance = resolution.is_none().then_some(distance);
-            let unit = levels.then_some("how high a grey level is: give --unit, in metres");
+            let unit = levels.then_some("the height of a grey level: give --unit, m");
             let missing: Vec<_> = distance.into_iter().chain(unit).collect();
-            return Err(CliError::usage(format!("{file}: the file doesn't say {}", missing.join(", nor "))));
+            return Err(CliError::usage(format!(
+                "{file}: the file does not specify {}",
+                missing.join(" and ")
+            )));
         }
     };
     if resolution > COARSE * rules_of_site.resolution {
         output::say(&format!(
-            "warning: samples {} m apart are too coarse for the roughness of a benchmark world, which has nodes {} m apart: \
-             nothing shorter than {} m is in this world, and it drives smoother than the place",
+            "warning: a sample spacing of {} m is too coarse for the roughness of a benchmark world, which has nodes every {} m: \
+             this world has no wavelengths below {} m, and is smoother than the site",
             short(resolution),
             rules_of_site.resolution,
             short(2.0 * resolution)
@@ -91,7 +94,7 @@ pub(crate) fn make(args: &SiteArgs) -> Result<(), CliError> {
     let meta = SuiteMeta {
         name: name(&args.out),
         version: "1".into(),
-        description: format!("{} worlds of the place in {}.", site.count(), name(&args.raster)),
+        description: format!("{} worlds of the site in {}.", site.count(), name(&args.raster)),
         provenance: Provenance::Imported {
             source: format!(
                 "{}, {:.3} by {:.3} m, site rules {}, rules {}, seed {}",
@@ -137,7 +140,7 @@ fn course(args: &SiteArgs, site: Option<&SiteParams>, params: &GeneratorParams) 
     let given: Vec<&str> = given.into_iter().filter(|(_, given)| *given).map(|(name, _)| name).collect();
     if !given.is_empty() {
         return Err(CliError::usage(format!(
-            "{file}: a course of OpenCRG becomes one world, to which {} doesn't apply: leave it out",
+            "{file}: an OpenCRG course becomes one world; {} does not apply: omit it",
             given.join(", ")
         )));
     }
@@ -153,12 +156,12 @@ fn course(args: &SiteArgs, site: Option<&SiteParams>, params: &GeneratorParams) 
         CourseSite::new(&found.course, &obstacles, args.density, site, params, args.seed).map_err(failed)?;
     let (side, resolution) = (made.side(), made.resolution());
     output::note(&format!(
-        "a world of {side} m with nodes {resolution} m apart, and a task along the course"
+        "a world of {side} m with nodes every {resolution} m, and a task along the course"
     ));
     if resolution > COARSE * found.course.increment() {
         output::say(&format!(
-            "warning: nodes {resolution} m apart are too coarse for a course with cuts every {} m: nothing shorter than {} m is in this \
-             world, and it drives smoother than the course",
+            "warning: a node spacing of {resolution} m is too coarse for a course with cross-sections every {} m: this world has no \
+             wavelengths below {} m, and is smoother than the course",
             short(found.course.increment()),
             short(2.0 * resolution)
         ));

@@ -13,7 +13,7 @@ pub(crate) fn testbed(args: &TestbedArgs) -> Result<(), CliError> {
     let model = places::catalog().model(&params.elevation.model, args.params.as_deref())?;
     let drawn = &args.drawn;
     let testbed = Testbed { rules: &params, model: &model, seed: drawn.seed };
-    let worlds = testbed.worlds().map_err(CliError::input)?;
+    let worlds = testbed.worlds()?;
     let meta = testbed.meta(&name(drawn), &drawn.suite_version);
     write(&drawn.out, meta, worlds.into_iter().map(Ok))
 }

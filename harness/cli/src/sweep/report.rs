@@ -68,7 +68,7 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
     match missing.first() {
         None => Ok(()),
         Some(first) => Err(CliError::incomplete(format!(
-            "{} of {} runs are not done and in no table: {first}{} (see sweep status; sweep run --resume continues)",
+            "{} of {} runs are unfinished and omitted: {first}{} (see sweep status; sweep run --resume continues)",
             missing.len(),
             sweep.spec.runs().len(),
             if missing.len() > 1 { " and others" } else { "" }
@@ -78,7 +78,7 @@ pub(crate) fn report(args: &SweepArgs) -> Result<(), CliError> {
 
 /// The folder of a run that is done, after its shards were joined if need be.
 fn whole(sweep: &Sweep, planned: &PlannedRun) -> Result<Option<PathBuf>, CliError> {
-    let state = sweep.layout.state(&planned.name).map_err(CliError::input)?;
+    let state = sweep.layout.state(&planned.name)?;
     if state.tasks() < sweep.tasks.len() as u64 {
         return Ok(None);
     }
@@ -95,8 +95,8 @@ fn whole(sweep: &Sweep, planned: &PlannedRun) -> Result<Option<PathBuf>, CliErro
 }
 
 fn row(planned: &PlannedRun, dir: &Path) -> Result<SweepRow, CliError> {
-    let run = RunReader::open(dir).map_err(CliError::input)?;
-    let records: Vec<TaskRecord> = run.records().map_err(CliError::input)?;
+    let run = RunReader::open(dir)?;
+    let records: Vec<TaskRecord> = run.records()?;
     let rules = Rules::recorded(run.header())
         .map_err(|e| CliError::input(format!("{}: rules.profile: {e}", dir.join("run.json").display())))?;
     Ok(SweepRow {

@@ -46,7 +46,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<(), CliError> {
     // What is done takes no time.
     let mut left = Vec::new();
     for part in parts {
-        let state = sweep.layout.state_of(&part.dir).map_err(CliError::input)?;
+        let state = sweep.layout.state_of(&part.dir)?;
         if state.failed == 0 && state.tasks() == part.tasks {
             progress.done_before(part.tasks);
         } else {
@@ -154,7 +154,7 @@ fn keep_plan(sweep: &Sweep, args: &SweepRunArgs) -> Result<(), CliError> {
     }
     if kept.is_some() && (args.shard.is_some() || sweep.layout.is_sharded()) {
         return Err(CliError::output(format!(
-            "{} was begun with another plan, and its shards don't fit this one (give another --out, or the plan in {})",
+            "{} was started with another plan, and its shards do not match this plan (give another --out, or the plan in {})",
             sweep.layout.root().display(),
             plan.display()
         )));
@@ -181,7 +181,9 @@ fn drive(
     Ok(match (host, sim) {
         (0, 0) => None,
         (0, n) => Some(CliError::sim_errors(format!("the simulation of {n} tasks failed"))),
-        (n, _) => Some(CliError::host_errors(format!("the harness or the machine failed {n} tasks"))),
+        (n, _) => {
+            Some(CliError::host_errors(format!("{n} tasks failed because of the harness or the machine")))
+        }
     })
 }
 

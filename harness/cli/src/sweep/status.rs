@@ -33,7 +33,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
     let mut rows = vec![["run", "done", "success", ""].map(str::to_owned).to_vec()];
     let (mut runs_done, mut tasks_done) = (0, 0);
     for planned in sweep.spec.runs() {
-        let state = sweep.layout.state(&planned.name).map_err(CliError::input)?;
+        let state = sweep.layout.state(&planned.name)?;
         let done = state.tasks();
         runs_done += usize::from(done == tasks);
         tasks_done += done;
@@ -44,7 +44,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
         let share =
             if done > 0 { format!("{:.1} %", 100.0 * success as f64 / done as f64) } else { String::new() };
         let note = match (state.failed, state.is_whole, done) {
-            (n, ..) if n > 0 => format!("the machine failed {n} tasks"),
+            (n, ..) if n > 0 => format!("{n} tasks failed because of the machine"),
             (_, false, n) if n > 0 => "in shards".to_owned(),
             _ => String::new(),
         };
@@ -57,7 +57,7 @@ pub(crate) fn status(args: &SweepArgs) -> Result<(), CliError> {
     }
     output::text(&output::columns(&rows));
     output::text(&format!(
-        "{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are done\n",
+        "{}: {runs_done} of {runs} runs and {tasks_done} of {all} tasks are finished\n",
         sweep.spec.name
     ));
     Ok(())

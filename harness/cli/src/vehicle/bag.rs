@@ -50,7 +50,7 @@ pub(super) fn convert(args: &VehicleBagArgs) -> Result<(), CliError> {
         .map_err(|e| CliError::input(format!("{}: {e}", args.bag.display())))?;
     for (topic, count) in bag.skipped() {
         output::say(&format!(
-            "warning: {topic}: {count} messages skipped: a number is not finite, or an orientation is no rotation"
+            "warning: {topic}: {count} messages skipped: a number is not finite, or an orientation is not a unit quaternion"
         ));
     }
     output::write(&args.out, drive.csv())?;

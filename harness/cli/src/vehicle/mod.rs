@@ -205,11 +205,7 @@ pub(crate) fn test(args: &VehicleTestArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let broken = report.results.iter().filter(|r| r.broken().next().is_some()).count();
-    let also = if broken > 0 {
-        format!(", and {broken} events could not be driven to their end")
-    } else {
-        String::new()
-    };
+    let also = if broken > 0 { format!(", and {broken} events failed") } else { String::new() };
     Err(CliError::checks_failed(format!(
         "{}: {} of {} checks failed{also}; see {}",
         spec.name,

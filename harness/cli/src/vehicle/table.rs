@@ -197,12 +197,12 @@ impl Specification {
         let triple = |v: [f64; 3]| v.map(rounded).join(", ");
         row("name", self.name.clone());
         row("description", self.description.clone());
-        row("scale of its worlds", scale(self.scale));
+        row("world scale", scale(self.scale));
         let box_of = |sides: [f64; 3]| sides.map(m).join(" x ");
         row("length x width x height", box_of([self.length_m, self.width_m, self.height_m]));
         let collides = [self.collision_length_m, self.collision_width_m, self.collision_height_m];
-        row("of hull and tyres", format!("{} (what planners are told)", box_of(collides)));
-        row("mass", format!("{:.1} kg, {:.1} kg of it sprung", self.mass_kg, self.sprung_mass_kg));
+        row("of hull and tyres", format!("{} (reported to planners)", box_of(collides)));
+        row("mass", format!("{:.1} kg, of which {:.1} kg sprung", self.mass_kg, self.sprung_mass_kg));
         row("wheelbase, track", format!("{}, {}", m(self.wheelbase_m), m(self.track_m)));
         row("ground clearance", format!("{} (hull)", m(self.ground_clearance_m)));
         let ramp =
@@ -266,11 +266,11 @@ impl Specification {
         let mut different: Vec<&str> = self.axles.iter().map(|a| a.tyre.as_str()).collect();
         different.dedup();
         row("tyre", different.join("; "));
-        row("tyres to choose from", self.tyres.join(", "));
+        row("available tyres", self.tyres.join(", "));
         row("engine", self.engine.clone());
         row("gears", self.gears.iter().map(|g| rounded(*g)).collect::<Vec<_>>().join(", "));
         let change = format!(
-            "put in below {} m/s, takes {} s",
+            "engages below {} m/s within {} s",
             rounded(self.direction_change_speed_m_per_s),
             rounded(self.direction_change_latency_s)
         );

@@ -107,9 +107,7 @@ fn a_suite_is_refused_with_all_that_is_wrong_with_it() {
     assert!(!findings.is_empty() && summary["warnings"] == findings.len());
     assert!(findings.iter().all(|f| f["event"] == "finding" && f["severity"] == "warning"), "{findings:?}");
     assert!(
-        findings
-            .iter()
-            .any(|f| f["rule"] == "path" && f["text"].as_str().unwrap().contains("closer than 4 m"))
+        findings.iter().any(|f| f["rule"] == "path" && f["text"].as_str().unwrap().contains("less than 4 m"))
     );
     let strict = harness(&dir, &[&near[..], &["--strict"]].concat());
     assert_eq!(strict.status.code(), Some(3), "{strict:?}");

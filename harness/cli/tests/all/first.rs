@@ -43,10 +43,7 @@ fn the_name_of_a_suite_that_comes_with_the_harness_means_it_whatever_lies_here()
     let (own, here) = (list("smoke"), list("./smoke"));
     assert_eq!(own.stdout, plain.stdout);
     let note = String::from_utf8(own.stderr).unwrap();
-    assert!(
-        note.contains("smoke is the suite that comes with the harness") && note.contains("./smoke"),
-        "{note}"
-    );
+    assert!(note.contains("smoke is the built-in suite") && note.contains("./smoke"), "{note}");
     assert_eq!((here.stdout.iter().filter(|b| **b == b'\n').count(), here.stderr.len()), (10, 0));
     // Any other folder may be named without a path.
     std::fs::rename(dir.path().join("smoke"), dir.path().join("mine")).unwrap();
@@ -107,18 +104,18 @@ fn a_course_becomes_a_world_with_a_task_along_it_and_is_refused_in_one_line() {
         "{said}"
     );
     // 40 m and 8 m at both ends, in patches of 8 m.
-    assert!(said.contains("a world of 56 m with nodes 1 m apart, and a task along the course"), "{said}");
+    assert!(said.contains("a world of 56 m with nodes every 1 m, and a task along the course"), "{said}");
     let valid = succeed(&dir, &["suite", "validate", "ramp"]);
     assert!(valid.contains("1 worlds, 1 tasks, all valid"), "{valid}");
     let told = fail(&dir, &["suite", "site", "ramp.crg", "--out", "x", "--unit", "0.01", "--tiles"], USAGE);
-    assert!(told.contains("--unit, --tiles doesn't apply"), "{told}");
+    assert!(told.contains("--unit, --tiles does not apply"), "{told}");
     std::fs::write(dir.path().join("bad.crg"), COURSE.replace("LRFI", "LHFI")).unwrap();
     for args in [
         &["suite", "site", "bad.crg", "--out", "x"][..],
         &["vehicle", "test", "gator", "--course", "bad.crg", "--out", "x"],
     ] {
         let told = fail(&dir, args, BAD_INPUT);
-        assert!(told.contains("bad.crg: line 5: the data format LHFI is not read"), "{told}");
+        assert!(told.contains("bad.crg: line 5: the data format LHFI is not supported"), "{told}");
     }
     assert!(!dir.path().join("x").exists(), "nothing is written");
 }
@@ -129,7 +126,7 @@ fn rules_of_the_generator_that_can_not_be_met_are_named_and_leave_nothing_behind
     let generate =
         ["suite", "generate", "--seed", "1", "--worlds", "1", "--params", "rules.yaml", "--out", "x"];
     for (from, to, says) in [
-        ("tilt: 20.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the places break this rule)"),
+        ("tilt: 20.0", "tilt: 0.0", "raise tasks.stand.tilt (100 % of the positions violate this rule)"),
         ("{rigid: [1, 7]", "{rigid: [7, 7]", "ground.centre_spread"),
         ("spacing: 10.0", "spacing: 50.0", "obstacles.spacing: 50 leaves room for"),
     ] {

@@ -31,6 +31,12 @@ fn a_surface_is_drawn_to_a_file_with_a_picture_and_measured() {
     assert!(String::from_utf8_lossy(&first[..100]).contains("(30, 40"));
     assert!(std::fs::read(dir.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
     draw("d.png", &["--resolution", "0.5"]);
+    for out in [&["--out", "a.npy"][..], &["--out", "e.npy", "--preview", "a.png"]] {
+        let args = [&["terrain", "generate", "--seed", "5", "--size", "40x30"], out].concat();
+        let (code, text) = failure(&dir, &args);
+        assert!(code == Some(4) && text.contains("is there already") && text.contains("--force"), "{text}");
+    }
+    assert_eq!(first, draw("a.npy", &["--force"]));
     let measured = harness(&dir, &["terrain", "measure", "a.npy", "c.npy"]);
     let table = String::from_utf8(measured.stdout).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split_whitespace().collect()).collect();

@@ -9,7 +9,7 @@ use vb_render::Painter;
 use vb_score::Rules;
 use vb_sdk::policy::{ActionKind, Layout, PARTS, Sight};
 use vb_sim::{SAMPLE_PERIOD, Simulation};
-use vb_trial::{Cache, Keep, Place, Setting, Trial, Wants};
+use vb_trial::{Cache, Keep, Place, Setting, Trial, Wants, defaults};
 use vb_world::{Suite, Task, TaskId};
 
 use crate::{EnvError, Reward};
@@ -74,13 +74,13 @@ impl Default for Options {
             worlds: 18,
             world_seed: 7000,
             apart_from: Vec::new(),
-            vehicle: "hmmwv".into(),
-            soils: "default".into(),
-            perception: "oracle".into(),
-            rules: "paper".into(),
+            vehicle: defaults::VEHICLE.into(),
+            soils: defaults::SOILS.into(),
+            perception: defaults::PERCEPTION.into(),
+            rules: defaults::RULES.into(),
             scale: None,
             control_hz: 10.0,
-            time_step: 0.001,
+            time_step: defaults::TIME_STEP,
             observation: Self::OBSERVATION.map(str::to_owned).to_vec(),
             sight: Sight::default(),
             action: ActionKind::default(),
@@ -152,7 +152,7 @@ impl Arena {
         }
         if let Some(name) = options.observation.iter().find(|n| PARTS.iter().all(|k| k.name != **n)) {
             let known = PARTS.map(|k| k.name).join(", ");
-            return Err(option("observation", name.clone(), &format!("there are {known}")));
+            return Err(option("observation", name.clone(), &format!("unknown part; parts: {known}")));
         }
         let rules = Rules::resolve(&options.rules)?;
         let vehicle = catalog.vehicle(&options.vehicle)?;
@@ -166,7 +166,7 @@ impl Arena {
         };
         let tasks = vb_catalog::select(&suite, options.tasks.as_deref())?;
         let Some(first) = tasks.first() else {
-            return Err(option("tasks", options.tasks.unwrap_or_default(), "chooses no task"));
+            return Err(option("tasks", options.tasks.unwrap_or_default(), "selects no task"));
         };
         let wants = Wants {
             name: "the environment".into(),

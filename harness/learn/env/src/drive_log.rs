@@ -39,13 +39,13 @@ impl DriveLog {
     pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Self, EnvError> {
         if bytes.len() > MAX_BYTES {
             let (size, most) = (bytes.len(), MAX_BYTES);
-            return Err(EnvError::State(format!("it has {size} bytes, and at most {most} are read")));
+            return Err(EnvError::State(format!("it has {size} bytes; at most {most} are allowed")));
         }
-        let body = bytes.strip_prefix(MAGIC).ok_or_else(|| EnvError::State("it is no state".into()))?;
+        let body = bytes.strip_prefix(MAGIC).ok_or_else(|| EnvError::State("it is not a state".into()))?;
         let log: Self = rmp_serde::from_slice(body).map_err(|e| EnvError::State(e.to_string()))?;
         // The decoder ignores trailing bytes.
         if log.to_bytes() != bytes {
-            return Err(EnvError::State("it has bytes that no state has".into()));
+            return Err(EnvError::State("it contains invalid bytes".into()));
         }
         Ok(log)
     }

@@ -51,7 +51,7 @@ pub enum EnvError {
     },
     /// A world of training belongs to a suite that judges planners.
     #[error(
-        "{world} of the training worlds is world {of} of the suite {suite}, which judges planners: take another world_seed"
+        "{world} of the training worlds is world {of} of the evaluation suite {suite}: use another world_seed"
     )]
     SuiteWorld {
         /// The training world.
@@ -95,35 +95,33 @@ pub enum EnvError {
         value: f64,
     },
     /// An environment is named twice in one call.
-    #[error("environment {0} is named twice")]
+    #[error("environment {0} is given twice")]
     Twice(usize),
     /// A state is that of an environment that was made with other options.
     #[error(
-        "the state is of an environment that was made with other options: restore it in one that was made with the same"
+        "the state is from an environment with other options: restore it in an environment with equal options"
     )]
     Unlike,
     /// Bytes that should be a state are none.
-    #[error("the state can't be read: {0}; take one that this version of the package has pickled")]
+    #[error("the state can't be read: {0}; use a state pickled with this version of the package")]
     State(String),
     /// The drive that led to a state ends elsewhere now.
-    #[error(
-        "the drive of {task} that led to the state ends in another one here: the suite's files have changed"
-    )]
+    #[error("the replay of {task} does not reproduce the state: the suite has changed")]
     Elsewhere {
         /// The name of the task.
         task: TaskId,
     },
     /// The environment has no episode.
-    #[error("there is no episode: call reset first")]
+    #[error("no episode is active: call reset first")]
     NoEpisode,
     /// The episode has ended.
     #[error("the episode has ended ({0}): call reset")]
     Ended(String),
     /// Steps and resets are under way.
-    #[error("{0} environments are still at work: call recv first")]
+    #[error("{0} environments are still stepping: call recv first")]
     Pending(usize),
     /// There is nothing to be received.
-    #[error("no environment is at work: call send or reset first")]
+    #[error("no environment is stepping: call send or reset first")]
     Nothing,
     /// There is no such environment.
     #[error("there is no environment {index}: there are {count}")]
@@ -137,10 +135,10 @@ pub enum EnvError {
     #[error(transparent)]
     Picture(#[from] vb_render::RenderError),
     /// The harness failed.
-    #[error("the harness panicked: {0}; please report it (close the environment and make it anew)")]
+    #[error("the harness panicked: {0}; please report it (close the environment and create a new one)")]
     Panic(String),
     /// The system can't start a thread.
-    #[error("can't start a worker thread: {0} (ask for fewer)")]
+    #[error("can't start a worker thread: {0} (use fewer workers)")]
     Thread(std::io::Error),
 }
 

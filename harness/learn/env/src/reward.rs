@@ -1,4 +1,4 @@
-//! What a step is worth, as data: `tasks/rewards/*.yaml`.
+//! Rewards as data: `tasks/rewards/*.yaml`.
 
 use std::collections::BTreeMap;
 
@@ -7,23 +7,23 @@ use vb_files::document::within;
 use vb_files::{Document, Flaw, Schema};
 use vb_score::Outcome;
 
-/// The greatest weight.
+/// The maximum weight.
 const HEAVIEST: f64 = 1e6;
 
-/// A term of a reward: what is measured of a step, to be multiplied by a weight.
+/// A term of a reward: a measurement of a step, multiplied by a weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// The name, as in files of weights.
+    /// The name in reward files.
     pub name: &'static str,
-    /// The unit of what is measured; empty if it has none.
+    /// The unit; empty for dimensionless terms.
     pub unit: &'static str,
-    /// What is measured, in words.
+    /// The meaning, in words.
     pub about: &'static str,
     kind: Kind,
 }
 
 impl Term {
-    /// Whether it is of episodes with this end.
+    /// Whether the term applies to episodes with this outcome.
     pub(crate) fn is_of_end(self, outcome: Outcome) -> bool {
         self.kind == Kind::End(outcome)
     }
@@ -44,36 +44,31 @@ const fn term(name: &'static str, unit: &'static str, kind: Kind, about: &'stati
     Term { name, unit, about, kind }
 }
 
-/// All terms. Lengths are those of the full-size world, times those of a full-size vehicle (Froude's rule).
+/// All terms. Lengths and times are at full scale (Froude scaling).
 pub const TERMS: [Term; 12] = [
-    term(
-        "progress",
-        "m",
-        Kind::Progress,
-        "the way along the global path that was gained; it never counts twice",
-    ),
+    term("progress", "m", Kind::Progress, "progress along the global path; each metre counts once"),
     term(
         "approach",
         "m",
         Kind::Approach,
-        "by how much the goal is nearer in the plane; negative where it is farther",
+        "decrease of the horizontal distance to the goal; negative for an increase",
     ),
-    term("time", "s", Kind::Time, "the time that the step took"),
-    term("roll", "rad s", Kind::Roll, "the size of the roll after the step, times its time"),
-    term("pitch", "rad s", Kind::Pitch, "the size of the pitch after the step, times its time"),
-    term("steering", "", Kind::Steering, "the size of the change of the steering command"),
-    term("success", "", Kind::End(Outcome::Success), "1 at the goal"),
-    term("rollover", "", Kind::End(Outcome::Rollover), "1 if the episode ends on side or roof"),
-    term("stuck", "", Kind::End(Outcome::Stuck), "1 if the episode ends stuck"),
-    term("timeout", "", Kind::End(Outcome::Timeout), "1 if time runs out"),
-    term("out_of_bounds", "", Kind::End(Outcome::OutOfBounds), "1 if the vehicle leaves the world"),
-    term("sim_error", "", Kind::End(Outcome::SimError), "1 if the simulation fails"),
+    term("time", "s", Kind::Time, "duration of the step"),
+    term("roll", "rad s", Kind::Roll, "absolute roll after the step, times the duration"),
+    term("pitch", "rad s", Kind::Pitch, "absolute pitch after the step, times the duration"),
+    term("steering", "", Kind::Steering, "absolute change of the steering command"),
+    term("success", "", Kind::End(Outcome::Success), "1 if the episode ends at the goal"),
+    term("rollover", "", Kind::End(Outcome::Rollover), "1 if the episode ends with a rollover"),
+    term("stuck", "", Kind::End(Outcome::Stuck), "1 if the episode ends because the vehicle is stuck"),
+    term("timeout", "", Kind::End(Outcome::Timeout), "1 if the episode ends at the time limit"),
+    term("out_of_bounds", "", Kind::End(Outcome::OutOfBounds), "1 if the episode ends outside the world"),
+    term("sim_error", "", Kind::End(Outcome::SimError), "1 if the episode ends with a simulation error"),
 ];
 
 /// A number for each of [`TERMS`].
 pub type Terms = [f64; TERMS.len()];
 
-/// What is measured of a step.
+/// The measurements of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Measured {
     /// m, of the full-size world.
@@ -100,7 +95,7 @@ pub struct Reward {
     pub weights: Terms,
 }
 
-/// A file of weights.
+/// A reward file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct File {
@@ -130,7 +125,7 @@ impl Reward {
         for (name, weight) in weights {
             let Some(k) = TERMS.iter().position(|t| t.name == name) else {
                 let known = TERMS.map(|t| t.name).join(", ");
-                return Err(Flaw::new("weights", format!("there is no term {name} (there are {known})")));
+                return Err(Flaw::new("weights", format!("unknown term {name} (terms: {known})")));
             };
             within(&format!("weights.{name}"), weight, -HEAVIEST, HEAVIEST)?;
             own.weights[k] = weight;
@@ -219,9 +214,7 @@ mod tests {
     fn flaws_are_told_with_file_field_and_value() {
         let told = |text: &str| Reward::parse(text, "mine.yaml").unwrap_err().to_string();
         let of = |weights: &str| told(&format!("schema: 1\nname: mine\nweights: {weights}\n"));
-        assert!(
-            of("{succes: 1}").starts_with("mine.yaml: weights: there is no term succes (there are progress,")
-        );
+        assert!(of("{succes: 1}").starts_with("mine.yaml: weights: unknown term succes (terms: progress,"));
         assert!(of("{success: .nan}").contains("weights.success: NaN must lie in"));
         assert!(of("{success: 1e9}").contains("weights.success: 1000000000 must lie in"));
         assert!(of("{success: much}").contains("much"));

@@ -148,7 +148,7 @@ impl VectorEnv {
         let bytes = Output::bytes(&arena, count, flat, autoreset);
         if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
             let problem =
-                format!("is too many: their observations take {bytes} bytes, more than there is memory");
+                format!("is too many: their observations need {bytes} bytes, more than the available memory");
             return Err(EnvError::Option { option: "num_envs", value: count.to_string(), problem });
         }
         let place = |k: usize| {

@@ -51,7 +51,7 @@ pub(crate) fn read(place: &Path, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
     } else if contains(&code, ANY_SOURCES) {
         Err(GpuError::OtherSources { path })
     } else {
-        Err(unreadable(Error::new(ErrorKind::InvalidData, "it has no kernels of this simulator")))
+        Err(unreadable(Error::new(ErrorKind::InvalidData, "it contains no kernels of this simulator")))
     }
 }
 

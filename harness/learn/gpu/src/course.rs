@@ -5,14 +5,10 @@ use std::path::Path;
 use vb_catalog::Catalog;
 use vb_kernel::wire::{Place, Setting};
 use vb_score::Rules;
+use vb_trial::defaults::SOIL_RESOLUTION;
 use vb_world::{Task, World};
 
 use crate::Start;
-
-/// The side of the cells in which soil remembers ruts, at scale 1, m: that of the benchmark.
-const SOIL_RESOLUTION: f64 = 0.1;
-/// The benchmark's time step, s.
-pub const TIME_STEP: f64 = 1e-3;
 
 #[derive(Debug, thiserror::Error)]
 pub enum CourseError {
@@ -30,7 +26,7 @@ pub enum CourseError {
         "time_step: {0:?} s (must lie in 0.0001 to 0.005 s and divide 0.01 s, e.g. 0.001, the benchmark's, or 0.005)"
     )]
     TimeStep(f64),
-    #[error("world {0} has granular beds, which GPU environments don't have: choose other tasks")]
+    #[error("world {0} has granular beds, which GPU environments do not support: choose other tasks")]
     Beds(String),
 }
 
@@ -46,7 +42,7 @@ pub struct Course {
 
 impl Course {
     /// The tasks of this suite that a selector chooses, or all of them. Suite and vehicle are names or files, as for
-    /// `vb-harness run`. The time step (s) is the benchmark's, [`TIME_STEP`], or another one, whose states aren't the benchmark's.
+    /// `vb-harness run`. The time step (s) is the benchmark's, [`TIME_STEP`](crate::TIME_STEP), or another one, whose states aren't the benchmark's.
     pub fn new(
         catalog: &Catalog,
         suite: &Path,

@@ -8,23 +8,23 @@ use cudarc::driver::DriverError;
 pub enum GpuError {
     #[error("a fleet has at least one vehicle and one task")]
     Empty,
-    #[error("there is no GPU here: CUDA's driver, libcuda, is not installed")]
+    #[error("no GPU: CUDA's driver, libcuda, is not installed")]
     NoDriver,
-    #[error("there is no GPU {wanted} here; there are {found}, counted from 0")]
+    #[error("no GPU {wanted}; {found} GPUs are available, counted from 0")]
     NoDevice { wanted: usize, found: i32 },
     #[error(
-        "there are kernels for GPUs of compute capability {known} and later ones of these generations; {name} has {major}.{minor}"
+        "kernels exist for GPUs of compute capability {known} and later ones of these generations; {name} has {major}.{minor}"
     )]
     Architecture { name: String, major: i32, minor: i32, known: String },
-    #[error("{path}: {source}; `cargo xtask kernel` makes it")]
+    #[error("{path}: {source}; build it with `cargo xtask kernel`")]
     Kernel { path: PathBuf, source: std::io::Error },
     #[error(
-        "{path}: these kernels were made of other sources than this program, so that their states would differ; `cargo xtask kernel` makes them anew"
+        "{path}: these kernels are built from other sources than this program, so their states would differ; rebuild them with `cargo xtask kernel`"
     )]
     OtherSources { path: PathBuf },
     #[error(
-        "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: take \
-             fewer of them, or less memory"
+        "{vehicles} vehicles and {tasks} tasks need {needed} MB of the GPU's memory, of which {free} MB are free: use \
+             fewer, or less memory"
     )]
     Memory {
         vehicles: usize,
@@ -35,20 +35,20 @@ pub enum GpuError {
         free: u64,
     },
     #[error(
-        "the kernels can't use this setting: they are of another version than this program; `cargo xtask kernel` makes them"
+        "the kernels can't use this setting: they are from another version than this program; rebuild them with `cargo xtask kernel`"
     )]
     Setting,
     #[error("the setting can't be sent: {0}")]
     Encode(String),
-    #[error("{what} has {given} rows, but there are {wanted} vehicles")]
+    #[error("{what} has {given} rows for {wanted} vehicles")]
     Length { what: &'static str, given: usize, wanted: usize },
-    #[error("the controls of vehicle {vehicle} have a number that is not finite")]
+    #[error("the controls of vehicle {vehicle} contain a number that is not finite")]
     Controls { vehicle: usize },
-    #[error("vehicle {vehicle} is to begin task {task}, but there are {tasks} tasks, counted from 0")]
+    #[error("task {task} of vehicle {vehicle} does not exist: there are {tasks} tasks, counted from 0")]
     Task { vehicle: usize, task: usize, tasks: usize },
     #[error(
-        "{differ} of {of} vehicles come to other states on this GPU than on the CPU: don't use it for this, and report it with its \
-             name and its driver's version"
+        "{differ} of {of} vehicles have other states on this GPU than on the CPU: do not use this GPU, and report its \
+             name and driver version"
     )]
     Differ { differ: usize, of: usize },
     #[error("{doing}: {message}{}", hint(message))]
@@ -58,7 +58,7 @@ pub enum GpuError {
 /// What is most likely wrong where a launch fails.
 fn hint(message: &str) -> &'static str {
     if message.contains("LAUNCH_FAILED") {
-        "; most likely vehicles needed more memory than is spare (`memory` in Python, `Options::spare_memory`). The fleet is lost"
+        "; probably the vehicles exceeded the spare memory (`memory` in Python, `Options::spare_memory`). The fleet is lost"
     } else {
         ""
     }
@@ -85,6 +85,6 @@ mod tests {
             GpuError::Cuda { doing: "a step", message: "unspecified (CUDA_ERROR_LAUNCH_FAILED)".into() };
         assert!(launch.to_string().contains("spare_memory"), "{launch}");
         let memory = GpuError::Memory { vehicles: 9, tasks: 1, needed: 10, free: 5 };
-        assert!(memory.to_string().contains("fewer of them"), "{memory}");
+        assert!(memory.to_string().contains("use fewer"), "{memory}");
     }
 }

@@ -9,13 +9,14 @@ mod drive;
 mod error;
 mod fleet;
 
-pub use course::{Course, CourseError, TIME_STEP};
+pub use course::{Course, CourseError};
 pub use drive::{CONTROL_PERIOD, Drive, same};
 pub use error::GpuError;
 pub use fleet::{Arrays, Fleet, Options, Start};
 pub use vb_kernel::SOURCES;
 pub use vb_kernel::fleet::{DIVERGED, FAULTS, FINE, NO_CONTROLS, NO_START, NO_TASK, STATE};
 pub use vb_kernel::wire::{Place, Setting};
+pub use vb_trial::defaults::TIME_STEP;
 
 /// Whether CUDA's driver is installed here, so that there may be a GPU.
 #[must_use]

@@ -33,7 +33,7 @@ const LOOK: Duration = Duration::from_millis(2);
 pub enum TeleopError {
     #[error("cannot listen on port {port} of this machine: {source} (give another --port, or 0 for any)")]
     Listen { port: u16, source: std::io::Error },
-    #[error("the system gives no random numbers for the page's address: {0}")]
+    #[error("the system provides no random numbers for the page's address: {0}")]
     Random(getrandom::Error),
     #[error("cannot start a thread: {0}")]
     Thread(std::io::Error),
@@ -197,7 +197,7 @@ impl Shared {
             Wanted::Nothing(status) => answer(status, "text/plain", status),
             Wanted::Drive(request) => {
                 if self.busy.swap(true, Ordering::Relaxed) {
-                    answer("409 Conflict", "text/plain", "somebody drives in another tab");
+                    answer("409 Conflict", "text/plain", "another tab is already driving");
                     return;
                 }
                 self.connected(stream, &request);

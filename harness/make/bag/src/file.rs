@@ -47,7 +47,7 @@ fn files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     }
     if files.is_empty() {
         let problem =
-            if sqlite { SQLITE } else { "has no MCAP file; give an MCAP file or the folder of a bag" };
+            if sqlite { SQLITE } else { "contains no MCAP file; give an MCAP file or the folder of a bag" };
         return Err(BagError::Format { path: path.to_owned(), problem: problem.to_owned() });
     }
     files.sort();
@@ -82,9 +82,10 @@ impl<'a> Reader<'a> {
 
     fn damaged(&self, e: &McapError) -> BagError {
         self.format(match e {
-            McapError::BadMagic => "is no MCAP file".to_owned(),
+            McapError::BadMagic => "is not an MCAP file".to_owned(),
             McapError::UnexpectedEof => {
-                "ends within the recording, as after a crash; repair it with `mcap recover` or `ros2 bag reindex`".to_owned()
+                "is truncated, e.g. after a crash; repair it with `mcap recover` or `ros2 bag reindex`"
+                    .to_owned()
             }
             e => format!("damaged MCAP file: {}", vb_files::one_line(&e.to_string())),
         })
@@ -99,7 +100,8 @@ impl<'a> Reader<'a> {
             return Err(self.format(SQLITE));
         }
         if start[..length].starts_with(b"#ROSBAG") {
-            let problem = "is a bag of ROS 1; convert it with `rosbags-convert --dst-storage mcap` (pip install rosbags)";
+            let problem =
+                "is a ROS 1 bag; convert it with `rosbags-convert --dst-storage mcap` (pip install rosbags)";
             return Err(self.format(problem));
         }
         let options = LinearReaderOptions::default()
@@ -151,9 +153,9 @@ impl<'a> Reader<'a> {
     fn chunk(&mut self, header: ChunkHeader, data: &[u8]) -> Result<(), BagError> {
         if header.uncompressed_size > RECORD as u64 {
             let (size, most) = (header.uncompressed_size, RECORD);
-            return Err(
-                self.format(format!("a chunk has {size} bytes after decompression; at most {most} are read"))
-            );
+            return Err(self.format(format!(
+                "a chunk has {size} bytes after decompression; at most {most} are allowed"
+            )));
         }
         let plain;
         let (header, data) = match header.compression.as_str() {

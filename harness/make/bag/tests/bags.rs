@@ -302,12 +302,12 @@ fn what_is_no_bag_is_refused_with_the_next_step() {
         text
     };
     assert!(says("a.db3", b"SQLite format 3\0....").contains("ros2 bag convert"));
-    assert!(says("b.bag", b"#ROSBAG V2.0\n.......").contains("is a bag of ROS 1"));
-    assert!(says("c.mcap", b"window,time,left,right").ends_with("is no MCAP file"));
-    assert!(says("d.mcap", b"").contains("ends within the recording"));
+    assert!(says("b.bag", b"#ROSBAG V2.0\n.......").contains("is a ROS 1 bag"));
+    assert!(says("c.mcap", b"window,time,left,right").ends_with("is not an MCAP file"));
+    assert!(says("d.mcap", b"").contains("is truncated"));
     assert!(matches!(read(&folder.path().join("none")), Err(BagError::Read { .. })));
     let empty = tempfile::tempdir().unwrap();
-    assert!(read(empty.path()).unwrap_err().to_string().contains("has no MCAP file"));
+    assert!(read(empty.path()).unwrap_err().to_string().contains("contains no MCAP file"));
     std::fs::write(empty.path().join("x.db3"), b"").unwrap();
     assert!(read(empty.path()).unwrap_err().to_string().contains("SQLite"));
 

@@ -10,24 +10,24 @@ use vb_world::SuiteError;
 #[derive(Debug, thiserror::Error)]
 pub enum CatalogError {
     #[error(
-        "the built-in tasks are not found (run in a checkout of the project, or set {} to its tasks directory)",
+        "the built-in tasks were not found (run in a checkout of the project, or set {} to its tasks directory)",
         crate::TASKS_VAR
     )]
     NoTasks,
     #[error(
-        "{}: there is no {noun} in this directory (set {} to the tasks directory of a checkout, or to nothing)",
+        "{}: this directory contains no {noun} (set {} to the tasks directory of a checkout, or unset it)",
         .tasks.display(),
         crate::TASKS_VAR
     )]
     Nothing { noun: &'static str, tasks: PathBuf },
     #[error(
-        "there is no folder to unpack the built-in tasks into (set {}, or HOME, or {} to a tasks directory)",
+        "no folder for the unpacked built-in tasks is defined (set {}, or HOME, or {} to a tasks directory)",
         crate::DATA_VAR,
         crate::TASKS_VAR
     )]
     NoDataFolder,
     #[error(
-        "{}: cannot unpack the built-in tasks: {source} (set {} to a directory that you may write to)",
+        "{}: cannot unpack the built-in tasks: {source} (set {} to a writable directory)",
         .path.display(),
         crate::DATA_VAR
     )]
@@ -48,13 +48,13 @@ pub enum CatalogError {
     #[error("elevation.model: {0}")]
     Terrain(String),
     #[error(
-        "--seed {0}: the seeds {first} to {last} are kept for training worlds, on which planners are tuned (take another seed, or say --training)",
+        "--seed {0}: the seeds {first} to {last} are reserved for training worlds (use another seed, or --training)",
         first = TRAINING_SEEDS.start(),
         last = TRAINING_SEEDS.end()
     )]
     KeptForTraining(u64),
     #[error(
-        "seed {0}: training worlds have a seed from {first} to {last}, so that no suite has one of them",
+        "seed {0}: training worlds need a seed from {first} to {last}, which no suite uses",
         first = TRAINING_SEEDS.start(),
         last = TRAINING_SEEDS.end()
     )]

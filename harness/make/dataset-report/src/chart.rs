@@ -75,7 +75,7 @@ pub(crate) fn way(s: &mut String, world: &World, way: &[[f64; 2]]) {
     let unit = x.max(y) / 64.0;
     let _ = write!(
         s,
-        "<svg class=\"way\" viewBox=\"{:.3} {:.3} {:.3} {:.3}\" role=\"img\" aria-label=\"Way in {}\"><rect class=\"world\" \
+        "<svg class=\"way\" viewBox=\"{:.3} {:.3} {:.3} {:.3}\" role=\"img\" aria-label=\"Trajectory in {}\"><rect class=\"world\" \
          x=\"{:.3}\" y=\"{:.3}\" width=\"{:.3}\" height=\"{:.3}\"/>",
         -x,
         -y,

@@ -31,7 +31,7 @@ fn action(frame: &Frame<'_>, entry: usize) -> f64 {
 pub const QUANTITIES: [Quantity; 8] = [
     Quantity { name: "forward speed", unit: "m/s", bin: 0.25, value: |f| f.state[6] },
     Quantity {
-        name: "slope of the ground under the vehicle",
+        name: "terrain slope under the vehicle",
         unit: "degrees",
         bin: 1.0,
         value: |f| {
@@ -43,12 +43,17 @@ pub const QUANTITIES: [Quantity; 8] = [
     Quantity { name: "pitch", unit: "degrees", bin: 1.0, value: |f| f.state[4].to_degrees() },
     Quantity {
         name: "steering command",
-        unit: "of full lock, left positive",
+        unit: "fraction fraction of full lock, left positive",
         bin: 0.05,
         value: |f| action(f, 0),
     },
-    Quantity { name: "throttle command", unit: "of full throttle", bin: 0.05, value: |f| action(f, 1) },
-    Quantity { name: "brake command", unit: "of full brakes", bin: 0.05, value: |f| action(f, 2) },
+    Quantity {
+        name: "throttle command",
+        unit: "fraction of full throttle",
+        bin: 0.05,
+        value: |f| action(f, 1),
+    },
+    Quantity { name: "brake command", unit: "fraction of full brakes", bin: 0.05, value: |f| action(f, 2) },
     Quantity {
         name: "gear command",
         unit: "−1 reverse, 0 neutral, 1 forward",
@@ -179,7 +184,7 @@ mod tests {
             // 12 bins of 0.25 m/s.
             ("forward speed", &[0, 12]),
             // atan(0.1) is 5.7 degrees.
-            ("slope of the ground under the vehicle", &[6]),
+            ("terrain slope under the vehicle", &[6]),
             ("roll", &[0, 6]),
             ("pitch", &[-11, 0]),
             ("steering command", &[0, 10]),

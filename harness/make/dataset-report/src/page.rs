@@ -125,7 +125,7 @@ impl<'a> Overview<'a> {
             ("frames", grouped(f.frames)),
             ("km", number(f.distance_m / 1000.0, 1)),
             ("worlds", grouped(f.worlds.len() as u64)),
-            ("frames a second", h.hz.to_string()),
+            ("frames per second", h.hz.to_string()),
         ];
         s.push_str("</nav><dl>");
         for (name, value) in facts {
@@ -137,11 +137,11 @@ impl<'a> Overview<'a> {
 
     fn outcomes(&self, s: &mut String) {
         let f = self.figures;
-        table(s, "kind of ground at the end", &f.by_ground);
-        table(s, "relief of the world", &f.by_elevation);
+        table(s, "terrain class at the end", &f.by_ground);
+        table(s, "elevation level of the world", &f.by_elevation);
         table(s, "driver", &f.by_driver);
         if !f.by_cause.is_empty() {
-            s.push_str("<h3>Causes of failures, by the kind of ground</h3>");
+            s.push_str("<h3>Causes of failures by terrain class</h3>");
             table(s, "cause", &f.by_cause);
         }
     }
@@ -154,8 +154,8 @@ impl<'a> Overview<'a> {
             chart::distribution(s, quantity, &groups);
         }
         s.push_str(
-            "</div><p class=\"about\">Each curve is of the frames in worlds of one kind of ground. One frame of two thousand at either \
-             end is left out.</p>",
+            "</div><p class=\"about\">One curve per terrain level of the worlds. The outermost 0.05 % of the frames at either \
+             end are omitted.</p>",
         );
     }
 
@@ -176,7 +176,7 @@ impl<'a> Overview<'a> {
             };
             let _ = write!(
                 s,
-                "<figure><figcaption>{name}: {end}</figcaption>{}<p>{}, {} relief, {} ground; {:.1} s, {:.1} m; ends on {}</p></figure>",
+                "<figure><figcaption>{name}: {end}</figcaption>{}<p>{}, {} elevation, {} terrain; {:.1} s, {:.1} m; ends on {}</p></figure>",
                 clip.picture,
                 escape(&info.world),
                 info.elevation.name(),
@@ -187,7 +187,7 @@ impl<'a> Overview<'a> {
             );
         }
         s.push_str(
-            "</div><p class=\"about\">Examples of each outcome. The way begins at the green and ends at the red point; north is up.</p>",
+            "</div><p class=\"about\">Examples of each outcome. Trajectories start at the green and end at the red point; north is up.</p>",
         );
     }
 
@@ -196,16 +196,14 @@ impl<'a> Overview<'a> {
         let names: Vec<String> = self.figures.worlds.iter().map(|w| escape(w)).collect();
         let _ = write!(
             s,
-            "<p>{} of the worlds of {} are driven in (folder <code>suite</code>, hash <code>{}</code>): {}.</p>",
+            "<p>{} of the worlds of {} are used (folder <code>suite</code>, hash <code>{}</code>): {}.</p>",
             names.len(),
             escape(&h.worlds.name),
             escape(h.worlds.hash.get(..12).unwrap_or(&h.worlds.hash)),
             names.join(", ")
         );
         if h.of_a_suite {
-            s.push_str(
-                "<p>They are worlds that planners are judged on: nothing may be trained on this dataset.</p>",
-            );
+            s.push_str("<p>Planners are evaluated on these worlds: do not train on this dataset.</p>");
         }
     }
 
@@ -235,8 +233,8 @@ impl<'a> Overview<'a> {
         );
         let _ = write!(
             s,
-            "<p class=\"about\">Made by <code class=\"command\">vb-harness {}</code> with commit <code>{}</code>. README.md in the \
-             dataset has its columns.</p>",
+            "<p class=\"about\">Created with <code class=\"command\">vb-harness {}</code> at commit <code>{}</code>. README.md in the \
+             dataset documents the columns.</p>",
             escape(&h.command.join(" ")),
             escape(&h.harness_commit),
         );

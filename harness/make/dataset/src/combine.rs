@@ -85,7 +85,7 @@ pub fn merge(
         let b = other.header();
         let what = [
             (a.layout != b.layout, "columns"),
-            (a.hz != b.hz, "frames a second"),
+            (a.hz != b.hz, "frames per second"),
             (a.vehicle != b.vehicle, "vehicle"),
             (a.soils != b.soils, "soils"),
             (a.perception != b.perception, "perception profile"),
@@ -162,7 +162,7 @@ pub fn split(
     let shares = Part::deal(parts, &worlds);
     if let Some((part, _)) = parts.iter().zip(&shares).find(|(_, own)| own.is_empty()) {
         return Err(DatasetError::Empty(format!(
-            "for the part {}: the episodes are in {} worlds, and each of the {} parts needs one (drive in more worlds, or make fewer \
+            "for the part {}: the episodes are in {} worlds, and each of the {} parts needs one (use more worlds, or fewer \
              parts)",
             part.name,
             worlds.len(),

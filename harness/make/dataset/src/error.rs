@@ -10,7 +10,7 @@ use vb_world::{SuiteError, TaskId};
 fn hint(source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded => {
-            " (free some space, then give the same command and --resume; what was written is safe)"
+            " (free some space, then repeat the command with --resume; written data are kept)"
         }
         std::io::ErrorKind::PermissionDenied => " (give another --out, or change its permissions)",
         _ => "",
@@ -22,39 +22,39 @@ fn hint(source: &std::io::Error) -> &'static str {
 pub enum DatasetError {
     #[error("cannot {action} {}: {source}{}", .path.display(), hint(.source))]
     Io { action: &'static str, path: PathBuf, source: std::io::Error },
-    #[error("{}: {detail} (the file is truncated, damaged or not of a dataset of this harness)", .path.display())]
+    #[error("{}: {detail} (the file is truncated, damaged or not from a dataset of this harness)", .path.display())]
     Damaged { path: PathBuf, detail: String },
     #[error(
-        "{}: {problem} (take the dataset from where it is whole, or make it again by the command in its dataset.json; `vb-harness dataset validate` tells all that is wrong)",
+        "{}: {problem} (copy the intact dataset, or re-create it with the command in its dataset.json; `vb-harness dataset validate` lists all errors)",
         .path.display()
     )]
     Changed { path: PathBuf, problem: String },
     #[error("a table can't be encoded: {detail}; please report it")]
     Encode { detail: String },
-    #[error("{} holds something already (give another --out, or go on with --resume)", .dir.display())]
+    #[error("{} is not empty (give another --out, or continue with --resume)", .dir.display())]
     NotEmpty { dir: PathBuf },
     #[error(
         "{}: a LeRobot dataset, but not one of Verti-Bench: dataset.json, which has vehicle, worlds and units, is missing (give the folder \
-         that `vb-harness dataset` wrote)",
+         that `vb-harness dataset` created)",
         .dir.display()
     )]
     Foreign { dir: PathBuf },
-    #[error("{}: no dataset is here: dataset.json is missing (give the folder that `vb-harness dataset` wrote)", .dir.display())]
+    #[error("{}: not a dataset: dataset.json is missing (give the folder that `vb-harness dataset` created)", .dir.display())]
     Missing { dir: PathBuf },
-    #[error("{}: version {found} of datasets, this build reads version {supported} (use a newer vb-harness)", .path.display())]
+    #[error("{}: dataset version {found} is not supported; this build reads version {supported} (use a newer vb-harness)", .path.display())]
     Schema { path: PathBuf, found: u64, supported: u32 },
-    #[error("{} is in the dataset {}, which would no longer be what it was (give another --out)", .out.display(), .dir.display())]
+    #[error("{} is within the dataset {} and would change it (give another --out)", .out.display(), .dir.display())]
     Within { out: PathBuf, dir: PathBuf },
-    #[error("cannot resume {}: {field} is {now}, and was {before} (give the same options, or another --out)", .dir.display())]
+    #[error("cannot resume {}: {field} is {now}, not {before} (give the same options, or another --out)", .dir.display())]
     Other { dir: PathBuf, field: String, before: String, now: String },
     #[error("{}: the dataset is not finished (finish it with the command in its dataset.json and --resume)", .dir.display())]
     Unfinished { dir: PathBuf },
     #[error(
-        "world {world} is {suite}/{of}: a dataset for training must not have worlds of a suite (take worlds that `vb-harness suite generate --training` makes)"
+        "world {world} is {suite}/{of}: datasets for training must not contain worlds of a suite (use worlds of `vb-harness suite generate --training`)"
     )]
     SuiteWorld { world: String, suite: String, of: String },
     #[error(
-        "{hz} frames a second are not possible: {driver} decides every {period} s, and a frame is a whole number of its steps (give --hz {possible})"
+        "{hz} frames per second are not possible: the control period of {driver} is {period} s, and a frame is a whole number of control periods (give --hz {possible})"
     )]
     Rate {
         /// The rate, Hz.
@@ -71,21 +71,21 @@ pub enum DatasetError {
         reason: String,
     },
     #[error(
-        "world {world} has no place where {vehicle} may start (loosen the exploration's start.tilt_deg or start.clearance_m)"
+        "world {world} has no valid start position for {vehicle} (relax start.tilt_deg or start.clearance_m of the exploration rules)"
     )]
     NoStart { world: String, vehicle: String },
     #[error(
-        "{task} can't be repeated by its trace: another version of the harness drove it, or the trace is too coarse (drive the run again, with --trace full)"
+        "{task} cannot be reproduced from its trace: it is from another version of the harness, or too coarse (re-run with --trace full)"
     )]
     NotRepeated { task: TaskId },
     #[error(transparent)]
     Record(#[from] StoreError),
-    #[error("no episode is left: {0}")]
+    #[error("no episodes: {0}")]
     Empty(String),
-    #[error("{} and {} don't fit together: {what} (merge datasets that were made with the same options)", .a.display(), .b.display())]
+    #[error("{} and {} are incompatible: {what} (merge datasets with equal options)", .a.display(), .b.display())]
     Unlike { a: PathBuf, b: PathBuf, what: String },
     #[error(
-        "all episodes of {} are in {} too, and would count twice (name each dataset once, and none that is a part of another)",
+        "all episodes of {} are also in {}, and would be duplicates (give each dataset once, and no dataset with its parts)",
         .inner.display(), .outer.display()
     )]
     Repeated { inner: PathBuf, outer: PathBuf },
@@ -110,7 +110,6 @@ impl DatasetError {
 
     /// A damaged file; the detail becomes one line.
     pub(crate) fn damaged(path: &Path, detail: &str) -> Self {
-        let detail = detail.split_whitespace().collect::<Vec<_>>().join(" ");
-        Self::Damaged { path: path.to_owned(), detail }
+        Self::Damaged { path: path.to_owned(), detail: vb_files::one_line(detail) }
     }
 }

@@ -114,12 +114,12 @@ impl Row {
         if self.index != number || from != first || to <= from {
             let index = self.index;
             return Some(format!(
-                "episode {number}: it is said to be {index} with frames {from} to {to}, after {first}"
+                "episode {number}: its index is {index} with frames {from} to {to}, after {first}"
             ));
         }
         if self.place.file != file {
             let (is, should) = (self.place.file, file);
-            return Some(format!("episode {number}: it is said to be in data file {is}, not {should}"));
+            return Some(format!("episode {number}: its data file is {is}, not {should}"));
         }
         Some(format!("episode {number}: {}", self.info.flaw()?))
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vb_record::{DataHeader, TIME_STEPS};
+use vb_record::{DataHeader, TIME_STEPS, differences};
 use vb_vehicle::SCALES;
 
 use crate::explore::Exploration;
@@ -18,6 +18,7 @@ pub const DATASET_SCHEMA: u32 = 1;
 /// The licence of the datasets that the harness makes: the same as of the worlds.
 pub const LICENCE: &str = "CC-BY-4.0";
 
+/// The origin of a dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -29,7 +30,9 @@ pub enum Kind {
     Teleop,
     /// The last seconds before failures.
     Failures,
+    /// Datasets joined by `dataset merge`.
     Merged,
+    /// A part of a dataset, by `dataset split`.
     Split,
 }
 
@@ -50,7 +53,9 @@ impl Kind {
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannerHeader {
+    /// The name of the planner.
     pub name: String,
+    /// The version of the planner.
     pub version: String,
     /// The SHA-256 of the plugin.
     pub sha256: String,
@@ -66,14 +71,19 @@ pub struct Header {
     /// The format of the files with frames and episodes; the default is left out.
     #[serde(default, skip_serializing_if = "Format::is_default")]
     pub format: Format,
+    /// The name of the dataset.
     pub name: String,
+    /// The origin of the data.
     pub kind: Kind,
     /// The licence, as SPDX names it.
     pub licence: String,
+    /// The version of the harness.
     pub harness_version: String,
+    /// The commit of the harness.
     pub harness_commit: String,
     /// The arguments of `vb-harness` that make it again, `--out` left out.
     pub command: Vec<String>,
+    /// The random seed.
     pub seed: u64,
     /// Frames a second.
     pub hz: u32,
@@ -81,8 +91,11 @@ pub struct Header {
     pub layout: Layout,
     /// The vehicle, with the SHA-256 of its file.
     pub vehicle: DataHeader,
+    /// The soil set, with the SHA-256 of its file.
     pub soils: DataHeader,
+    /// The rules, with the SHA-256 of their file.
     pub rules: DataHeader,
+    /// The perception profile, with the SHA-256 of its file.
     pub perception: DataHeader,
     /// The factor on every length of the worlds.
     pub scale: f64,
@@ -130,18 +143,55 @@ impl Header {
             .or_else(|| real("time_step", self.time_step, &TIME_STEPS))
     }
 
-    /// The first field in which another header differs: its name, and both values.
+    /// The first field (dotted path) in which another header differs, with both values as text; `None` if there is no such field.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(String, String, String)> {
-        let (a, b) = (serde_json::to_value(self).ok()?, serde_json::to_value(other).ok()?);
-        let (a, b) = (a.as_object()?, b.as_object()?);
-        let names = a.keys().chain(b.keys());
+        let found = differences(self, other, usize::MAX);
         // Where the harness, a file or an option differs, the command may differ too; they say more.
-        let named = names.clone().filter(|n| *n != "command").chain(names.filter(|n| *n == "command"));
-        let show = |v: Option<&Value>| v.map_or_else(|| "absent".to_owned(), Value::to_string);
-        named
-            .into_iter()
-            .find(|n| a.get(*n) != b.get(*n))
-            .map(|n| (n.clone(), show(a.get(n)), show(b.get(n))))
+        let first = found.into_iter().min_by_key(|d| d.path.split('.').next() == Some("command"))?;
+        Some((first.path, first.a, first.b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn header(crops: usize, command: &str) -> Header {
+        let file = json!({"name": "n", "hash": "aa"});
+        let header = json!({
+            "schema": DATASET_SCHEMA,
+            "name": "d",
+            "kind": "explore",
+            "licence": LICENCE,
+            "harness_version": "1.0.0",
+            "harness_commit": "unknown",
+            "command": ["dataset", command],
+            "seed": 0,
+            "hz": 10,
+            "layout": {"wheels": 4, "speed": false, "goal": false, "truth": true, "crops": crops},
+            "vehicle": file,
+            "soils": file,
+            "rules": file,
+            "perception": file,
+            "scale": 1.0,
+            "time_step": 0.001,
+            "worlds": file,
+        });
+        serde_json::from_value(header).unwrap()
+    }
+
+    #[test]
+    fn the_difference_is_the_innermost_field_and_the_command_comes_last() {
+        let difference = |a: &Header, b: &Header| {
+            a.difference(b).map(|(field, before, now)| format!("{field}: {before}, {now}"))
+        };
+        let first = header(0, "explore");
+        assert_eq!(difference(&first, &first), None);
+        assert_eq!(difference(&first, &header(8, "drive")).unwrap(), "layout.crops: 0, 8");
+        assert_eq!(difference(&first, &header(0, "drive")).unwrap(), "command.1: \"explore\", \"drive\"");
+        let optioned = Header { options: BTreeMap::from([("jobs".to_owned(), json!(1))]), ..first.clone() };
+        assert_eq!(difference(&first, &optioned).unwrap(), "options.jobs: nothing, 1");
     }
 }

@@ -24,20 +24,22 @@ impl Part {
         for (k, Self { name, fraction }) in parts.iter().enumerate() {
             let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
             if name.is_empty() || name.len() > LENGTH || !name.chars().all(plain) {
-                return refuse(format!("{name:?} is no name of 1 to {LENGTH} letters, digits, - and _"));
+                return refuse(format!(
+                    "{name:?} is not a valid name (1 to {LENGTH} letters, digits, - and _)"
+                ));
             }
             // Not all file systems tell capital letters from small ones.
             if let Some(other) = parts[..k].iter().find(|p| p.name.eq_ignore_ascii_case(name)) {
-                return refuse(format!("{} and {name} would be in one folder", other.name));
+                return refuse(format!("{} and {name} have the same folder", other.name));
             }
             if !(*fraction > 0.0 && *fraction <= 1.0) {
-                return refuse(format!("{name}={fraction} is no fraction above 0 and up to 1"));
+                return refuse(format!("{name}={fraction} must be above 0 and at most 1"));
             }
         }
         // A sum of nothing is a negative zero.
         let sum = parts.iter().fold(0.0, |sum, p| sum + p.fraction);
         if (sum - 1.0).abs() > SLACK {
-            return refuse(format!("the fractions sum to {sum:.3}, not to 1"));
+            return refuse(format!("the fractions sum to {sum:.3}, not 1"));
         }
         Ok(())
     }
@@ -91,15 +93,15 @@ mod tests {
         }
         let long = "a".repeat(101);
         for (wrong, why) in [
-            (&[("", 1.0)][..], "is no name"),
-            (&[("..", 1.0)], "is no name"),
-            (&[("a/b", 1.0)], "is no name"),
-            (&[(&long, 1.0)], "is no name"),
-            (&[("a", 0.5), ("a", 0.5)], "a and a would be in one folder"),
-            (&[("Test", 0.5), ("test", 0.5)], "Test and test would be in one folder"),
-            (&[("a", 80.0), ("b", 20.0)], "a=80 is no fraction"),
-            (&[("a", 0.0), ("b", 1.0)], "a=0 is no fraction"),
-            (&[("a", f64::NAN)], "is no fraction"),
+            (&[("", 1.0)][..], "is not a valid name"),
+            (&[("..", 1.0)], "is not a valid name"),
+            (&[("a/b", 1.0)], "is not a valid name"),
+            (&[(&long, 1.0)], "is not a valid name"),
+            (&[("a", 0.5), ("a", 0.5)], "a and a have the same folder"),
+            (&[("Test", 0.5), ("test", 0.5)], "Test and test have the same folder"),
+            (&[("a", 80.0), ("b", 20.0)], "a=80 must be"),
+            (&[("a", 0.0), ("b", 1.0)], "a=0 must be"),
+            (&[("a", f64::NAN)], "must be above 0"),
             (&[("a", 0.8), ("b", 0.1)], "sum to 0.900"),
             (&[("a", 0.8), ("b", 0.3)], "sum to 1.100"),
             (&[], "sum to 0.000"),

@@ -45,7 +45,7 @@ impl Sums {
                 .filter(|(_, name)| Path::new(name).components().all(|c| matches!(c, Component::Normal(_))))
                 .ok_or_else(|| {
                     let begin: String = line.chars().take(100).collect();
-                    DatasetError::damaged(&path, &format!("\"{begin}\" is no hash and file in it"))
+                    DatasetError::damaged(&path, &format!("line \"{begin}\" is not a hash and a file name"))
                 })?;
             sums.insert(PathBuf::from(name), hash.to_owned());
         }
@@ -79,7 +79,7 @@ impl Sums {
         for (file, hash) in &self.0 {
             let problem = match hash_file(&dir.join(file)) {
                 Ok(own) if own == *hash => continue,
-                Ok(_) => "it is not as it was written (its SHA-256 differs)".to_owned(),
+                Ok(_) => "its SHA-256 differs".to_owned(),
                 Err(e) if e.kind() == ErrorKind::NotFound => MISSING.to_owned(),
                 Err(e) => format!("it can't be read: {e}"),
             };
@@ -102,7 +102,7 @@ impl Sums {
     /// The files of a dataset that have no hash.
     pub(crate) fn strangers(&self, dir: &Path) -> Result<Vec<Flaw>, DatasetError> {
         let strange = files(dir)?.into_iter().filter(|file| file != Path::new(SUMS) && !self.has(file));
-        let problem = format!("it is not of the dataset ({SUMS} doesn't have it)");
+        let problem = format!("it does not belong to the dataset ({SUMS} does not list it)");
         Ok(strange.map(|file| Flaw { file, problem: problem.clone() }).collect())
     }
 }

@@ -26,7 +26,7 @@ impl Findings {
 
     fn add(&mut self, text: String) {
         if self.0.len() < FINDINGS {
-            self.0.push(text.split_whitespace().collect::<Vec<_>>().join(" "));
+            self.0.push(vb_files::one_line(&text));
         }
     }
 }
@@ -83,7 +83,7 @@ fn worlds(dataset: &Dataset, suites: &[Suite], findings: &mut Findings) -> Optio
         }
     };
     if suite.hash() != dataset.header().worlds.hash {
-        findings.add("suite: the worlds are not those of dataset.json".to_owned());
+        findings.add("suite: the worlds differ from those of dataset.json".to_owned());
     }
     for world in suite.worlds() {
         if let Err(e) = suite.verify_world(&world.id) {
@@ -108,7 +108,7 @@ fn episodes(dataset: &Dataset, worlds: Option<&Suite>, findings: &mut Findings) 
             && suite.world_info(&info.world).map(|w| &w.sha256).ok() != Some(&info.world_hash)
         {
             findings
-                .add(format!("episode {k}: its world {} is not in the suite, or another there", info.world));
+                .add(format!("episode {k}: its world {} is missing in the suite, or differs", info.world));
         }
         if open.as_ref().is_none_or(|(file, ..)| *file != place.file) {
             let format = dataset.format();
@@ -147,10 +147,10 @@ fn frames(
             return Some(format!("frame {k}: index {} is not {}", batch.index[row], place.from + k));
         }
         if batch.task_index[row] < 0 || batch.task_index[row] > whole(dataset.infos().len()) {
-            return Some(format!("frame {k}: task_index {} is of no task", batch.task_index[row]));
+            return Some(format!("frame {k}: task_index {} is not a task", batch.task_index[row]));
         }
         if batch.frame_index[row] != whole(k) || batch.episode_index[row] != whole(episode) {
-            return Some(format!("frame {k} says that it is {}", batch.frame_index[row]));
+            return Some(format!("frame {k} has frame_index {}", batch.frame_index[row]));
         }
         let time = k as f64 / hz;
         // A time that is no number is none either.

@@ -44,7 +44,7 @@ fn of_kind(feature: &Feature, values: &Values, rows: Range<usize>) -> Option<Str
             let known = 0.0..TerrainClass::ALL.len() as f64;
             let at = rows.clone().find(|row| !known.contains(&values.number(*row)))?;
             let v = shown(values.number(at));
-            Some(format!("{}: {v} of frame {} is no kind of ground", feature.name, at - rows.start))
+            Some(format!("{}: {v} of frame {} is not a terrain class", feature.name, at - rows.start))
         }
         _ => None,
     }

@@ -320,7 +320,7 @@ impl DatasetWriter {
         self.flush()?;
         let Whole { episodes, frames, .. } = self.done;
         if episodes == 0 {
-            return Err(DatasetError::Empty("none had a frame that is to be kept".into()));
+            return Err(DatasetError::Empty("no frame meets the conditions".into()));
         }
         let mut sums = self.sums.clone();
         let contents = self.format.write_whole(&self.header, &self.features, &self.done)?;

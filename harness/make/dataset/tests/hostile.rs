@@ -179,10 +179,10 @@ fn where_episodes_are_said_to_be_is_where_they_are() {
     }
     let out = place.made("below", |_| {});
     edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), "length", -5);
-    assert!(refused(&out).contains("length: -5 in row 0 is no count"), "{}", refused(&out));
+    assert!(refused(&out).contains("length: -5 in row 0 is not a count"), "{}", refused(&out));
     let out = place.made("length", |_| {});
     edit(&out.join("meta/episodes/chunk-000/file-000.parquet"), "length", 1 << 62);
-    assert!(refused(&out).contains("length: 4611686018427387904 is not that of frames 0 to 2"));
+    assert!(refused(&out).contains("length: 4611686018427387904 does not match frames 0 to 2"));
 }
 
 #[test]

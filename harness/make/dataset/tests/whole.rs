@@ -47,7 +47,7 @@ fn damaged(path: &Path, look: impl Fn(&str)) {
     let middle = changed.len() / 2;
     changed[middle] ^= 1;
     fs::write(path, changed).unwrap();
-    look("it is not as it was written");
+    look("its SHA-256 differs");
     fs::remove_file(path).unwrap();
     look("it is missing");
     fs::write(path, whole).unwrap();
@@ -85,7 +85,7 @@ fn a_damaged_dataset_is_neither_read_as_a_whole_nor_gone_on_with() {
     fs::copy(place.path("d").join(FILES[1]), &stranger).unwrap();
     for e in [Dataset::open_whole(&place.path("d")).err(), place.resume("d").err()] {
         let e = e.unwrap().to_string();
-        assert!(e.contains("file-003.parquet") && e.contains("it is not of the dataset"), "{e}");
+        assert!(e.contains("file-003.parquet") && e.contains("it does not belong to the dataset"), "{e}");
     }
     fs::remove_file(stranger).unwrap();
     fs::remove_file(place.path("d/SHA256SUMS")).unwrap();
@@ -243,8 +243,8 @@ fn parts_that_make_no_sense_or_have_nothing_leave_nothing_behind() {
         assert!(e.contains(why), "{e}");
         assert!(!out.exists());
     };
-    refused(&[("../escape", 1.0)], "is no name");
-    refused(&[("a", 0.5), ("a", 0.5)], "in one folder");
+    refused(&[("../escape", 1.0)], "is not a valid name");
+    refused(&[("a", 0.5), ("a", 0.5)], "have the same folder");
     refused(&[("a", 0.5), ("b", 0.4)], "sum to 0.900");
     let e = split(&a, &parts(&[("a", 1.0)]), 0, &a.dir().join("x/parts"), &[]).unwrap_err();
     assert!(matches!(e, DatasetError::Within { .. }), "{e}");

@@ -69,7 +69,7 @@ pub(crate) fn file(imported: &Imported) -> String {
     for (kind, head) in [
         (Kind::Chosen, "Choices:"),
         (Kind::Approximated, "Approximations:"),
-        (Kind::Assumed, "Assumptions, which the source does not give:"),
+        (Kind::Assumed, "Assumptions without values in the source:"),
         (Kind::NoCounterpart, "Values of the source without a counterpart:"),
     ] {
         let notes: Vec<_> = imported.notes.of(kind).collect();
@@ -81,7 +81,8 @@ pub(crate) fn file(imported: &Imported) -> String {
             wrap(&mut out, &note.text);
         }
     }
-    let mut value = serde_json::to_value(&imported.spec).unwrap_or_default();
+    let mut value =
+        serde_json::to_value(&imported.spec).expect("a vehicle has text keys and can be written as JSON");
     tidy(&mut value);
     map(&mut out, &value, 0);
     out

@@ -85,16 +85,20 @@ pub(crate) fn mesh(path: &Path) -> Result<Vec<Vec<Point>>, ImportError> {
     let groups = match suffix.as_str() {
         "obj" => obj(&String::from_utf8_lossy(&bytes)),
         "stl" => vec![stl(&bytes)],
-        other => return fail(format!("meshes of type {other:?} are not read; convert it to .obj or .stl")),
+        other => {
+            return fail(format!("meshes of type {other:?} are not supported; convert it to .obj or .stl"));
+        }
     };
     let corners: usize = groups.iter().map(Vec::len).sum();
     if corners > CORNERS {
-        return fail(format!("{corners} corners; at most {CORNERS} are read (give a coarse collision mesh)"));
+        return fail(format!(
+            "{corners} corners; at most {CORNERS} are allowed (give a coarse collision mesh)"
+        ));
     }
     let groups: Vec<Vec<Point>> = if groups.len() > GROUPS { vec![groups.concat()] } else { groups };
     let parts: Vec<Vec<Point>> = groups.iter().map(|g| outermost(g)).filter(|p| solid(p)).collect();
     if parts.is_empty() {
-        return fail("no group of its points spans a volume; give a mesh with faces".to_owned());
+        return fail("no group of its points encloses a volume; give a mesh with faces".to_owned());
     }
     Ok(parts)
 }
@@ -195,7 +199,7 @@ mod tests {
         std::fs::write(&file, &text).unwrap();
         assert_eq!(mesh(&file).unwrap().len(), 2);
         std::fs::write(&file, "v 0 0 0\nv 1 0 0\nf 1 2\n").unwrap();
-        assert!(mesh(&file).unwrap_err().to_string().contains("spans a volume"));
+        assert!(mesh(&file).unwrap_err().to_string().contains("encloses a volume"));
         let other = dir.path().join("m.dae");
         std::fs::write(&other, "x").unwrap();
         assert!(mesh(&other).unwrap_err().to_string().contains("convert it to .obj or .stl"));

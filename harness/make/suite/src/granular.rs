@@ -36,17 +36,17 @@ pub struct GranularParams {
     pub path: PathParams,
 }
 
-/// The ground around the beds, which is level, square and rigid.
+/// The level, square, rigid ground around the beds.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundParams {
     /// The side of a world, m.
     pub side: f64,
-    /// The distance between nodes, m.
+    /// The node spacing, m.
     pub resolution: f64,
     /// The side of a patch, m.
     pub patch: f64,
-    /// The terrain class, a rigid one.
+    /// The rigid terrain class.
     pub class: TerrainClass,
     /// The friction coefficient.
     pub friction: f64,
@@ -76,7 +76,7 @@ pub struct WallParams {
     pub thickness: f64,
 }
 
-/// The tasks of a world, over the bed and back.
+/// The tasks of a world, across the bed in both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingParams {
@@ -112,11 +112,11 @@ impl Document for GranularParams {
         within("ground.side", rules.ground.side, 10.0, 500.0)?;
         let half = 0.5 * rules.ground.side;
         if rules.ground.class.is_deformable() {
-            let problem = format!("{} yields: take a rigid class", rules.ground.class.name());
+            let problem = format!("{} is deformable: use a rigid class", rules.ground.class.name());
             return Err(flaw("ground.class", problem));
         }
         if !(1..=999).contains(&rules.beds.len()) {
-            return Err(flaw("beds", "there must be 1 to 999 of them"));
+            return Err(flaw("beds", "must have 1 to 999 entries"));
         }
         let GroundParams { side, .. } = rules.ground;
         for (k, bed) in rules.beds.iter().enumerate() {
@@ -277,7 +277,7 @@ mod tests {
     fn flaws_of_a_file_are_named() {
         let cases = [
             ("side: 48.0", "side: 48.5", "ground.side: 48.5 must be a multiple of ground.patch, 1"),
-            ("class: dirt", "class: snow", "ground.class: snow yields: take a rigid class"),
+            ("class: dirt", "class: snow", "ground.class: snow is deformable: use a rigid class"),
             ("width: 8.0", "width: 47.0", "beds[0].width: 47 must lie in"),
             ("distance: 40.0", "distance: 60.0", "tasks.distance: 60 must lie in"),
             ("height: 1.5", "height: 0.0", "wall.height: 0 must lie in"),

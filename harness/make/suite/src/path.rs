@@ -1,9 +1,9 @@
 //! The global planner: a short, collision-free path from start to goal.
 //!
-//! A* on a regular grid with true step costs finds the way round the obstacles; then the shortest chain of straight
+//! A* on a regular grid with true step costs finds a path around the obstacles; then the shortest chain of straight
 //! lines through its points that keeps the clearance replaces it, twice, so that the path is taut and any-angle.
-//! Height and ground are ignored, as the original's planner does; choosing a way over the terrain is the task of
-//! the planner under test.
+//! Elevation and terrain class are ignored, as in the original's planner; finding a path over the terrain is the task
+//! of the planner under test.
 
 use serde::Deserialize;
 use vb_math::hypot;
@@ -36,7 +36,7 @@ pub enum PathError {
     #[error("path.{field}: {value} must be a {wanted} length in metres")]
     Parameter { field: &'static str, value: f64, wanted: &'static str },
     #[error(
-        "{end} {point:?} lies {distance:.2} m from obstacles[{obstacle}], closer than the clearance of {clearance} m: move one of them"
+        "{end} {point:?} is {distance:.2} m from obstacles[{obstacle}], less than the clearance of {clearance} m: move one of them"
     )]
     TooClose {
         /// The end that is meant: `start` or `goal`.
@@ -57,7 +57,7 @@ pub enum PathError {
         point: [f64; 2],
     },
     #[error(
-        "no way from {start:?} to {goal:?} keeps {clearance} m from every obstacle: move obstacles or lower the clearance"
+        "no path from {start:?} to {goal:?} has a clearance of {clearance} m from obstacles: move obstacles or lower the clearance"
     )]
     NoWay {
         /// The start (x, y), m.
@@ -170,7 +170,7 @@ impl Planner {
     /// closer to an obstacle than the clearance, but for that rounding.
     ///
     /// # Errors
-    /// Returns an error if start or goal lies outside or too close to an obstacle, or there is no way.
+    /// Returns an error if start or goal lies outside or too close to an obstacle, or there is no path.
     pub fn plan(&self, start: [f64; 2], goal: [f64; 2]) -> Result<Vec<[f64; 2]>, PathError> {
         let mut margin = self.clearance;
         for (end, p) in [("start", start), ("goal", goal)] {

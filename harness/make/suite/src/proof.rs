@@ -17,10 +17,10 @@ const FILE: &str = "proof.json";
 pub enum ProofError {
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
-    #[error("{}: {problem}: make it anew with `vb-harness suite prove`", path.display())]
+    #[error("{}: {problem}: re-create it with `vb-harness suite prove`", path.display())]
     Damaged { path: PathBuf, problem: String },
     #[error(
-        "{}: is the proof of a suite with hash {found}, and this one has {expected}: make it anew with `vb-harness suite prove`", path.display()
+        "{}: contains certificates of a suite with hash {found}, not {expected}: re-create it with `vb-harness suite prove`", path.display()
     )]
     OtherSuite { path: PathBuf, found: String, expected: String },
 }
@@ -39,9 +39,13 @@ pub struct Named {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conditions {
+    /// The version of the harness.
     pub harness_version: String,
+    /// The vehicle.
     pub vehicle: Named,
+    /// The soil set.
     pub soils: Named,
+    /// The rules.
     pub rules: Named,
     /// The factor on every length of the worlds.
     pub scale: f64,
@@ -55,11 +59,15 @@ pub struct Conditions {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prover {
+    /// The name of the planner.
     pub planner: String,
+    /// The version of the planner.
     pub version: String,
     /// The hash of the planner's file (hex).
     pub sha256: String,
+    /// The parameters that differ from the planner's defaults.
     pub params: BTreeMap<String, String>,
+    /// The seed of the run.
     pub seed: u64,
 }
 
@@ -78,14 +86,17 @@ pub struct Drive {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Proof {
+    /// The version of the layout, 1.
     schema: u32,
     /// The hash of the suite.
     pub suite: String,
+    /// The conditions of all runs.
     pub conditions: Conditions,
+    /// The planners that solved tasks.
     pub provers: Vec<Prover>,
-    /// The drives by task.
+    /// The successful trial of each solved task.
     pub tasks: BTreeMap<TaskId, Drive>,
-    /// The tasks that nobody has done yet, which may be impossible.
+    /// The tasks that no planner has solved, which may be unsolvable.
     pub unproven: Vec<TaskId>,
 }
 
@@ -140,7 +151,7 @@ impl Proof {
         let proof: Self = serde_json::from_str(&text).map_err(|e| damaged(e.to_string()))?;
         if proof.schema != SCHEMA {
             return Err(damaged(format!(
-                "schema {} is not supported, this build reads {SCHEMA}",
+                "schema {} is not supported; this build reads {SCHEMA}",
                 proof.schema
             )));
         }
@@ -149,13 +160,13 @@ impl Proof {
             return Err(ProofError::OtherSuite { path, found: proof.suite, expected });
         }
         if let Some((task, drive)) = proof.tasks.iter().find(|(_, d)| d.prover >= proof.provers.len()) {
-            return Err(damaged(format!("tasks.{task}.prover: there is no prover {}", drive.prover)));
+            return Err(damaged(format!("tasks.{task}.prover: prover {} does not exist", drive.prover)));
         }
         let fresh = Self::new(suite, proof.conditions.clone()).unproven;
         let mut all: Vec<&TaskId> = proof.tasks.keys().chain(&proof.unproven).collect();
         all.sort();
         if !all.iter().copied().eq(fresh.iter()) {
-            return Err(damaged("does not name every task of the suite once".into()));
+            return Err(damaged("does not contain every task of the suite exactly once".into()));
         }
         Ok(Some(proof))
     }
@@ -259,17 +270,17 @@ mod tests {
             Proof::read(&suite).unwrap_err().to_string()
         };
         assert!(refused(&|p| p.suite = "ff".into()).contains("a suite with hash ff"));
-        assert!(refused(&|p| drop(p.unproven.pop())).contains("every task of the suite once"));
+        assert!(refused(&|p| drop(p.unproven.pop())).contains("every task of the suite exactly once"));
         assert!(
             refused(&|p| p.unproven.push("w001/t00".parse().unwrap()))
-                .contains("every task of the suite once")
+                .contains("every task of the suite exactly once")
         );
         assert!(refused(&|p| p.schema = 9).contains("schema 9 is not supported"));
         let lost = refused(&|p| {
             p.add(prover("3"), [done("w001/t00")]);
             p.provers.clear();
         });
-        assert!(lost.contains("tasks.w001/t00.prover: there is no prover 0"), "{lost}");
+        assert!(lost.contains("tasks.w001/t00.prover: prover 0 does not exist"), "{lost}");
         std::fs::write(Proof::path(&suite), "{").unwrap();
         assert!(Proof::read(&suite).unwrap_err().to_string().contains("proof.json"));
     }

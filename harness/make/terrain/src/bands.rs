@@ -181,13 +181,13 @@ impl Curve {
             return Err(format!("{} and {} knots: must be as many, {least} to {most}", from.len(), to.len()));
         }
         if from.iter().chain(&to).any(|v| !v.is_finite()) {
-            return Err("has knots that are no numbers".into());
+            return Err("has knots that are not numbers".into());
         }
         if from.windows(2).any(|w| w[0] >= w[1]) || from[0] == 0.0 || from[from.len() - 1] == 0.0 {
-            return Err("knots must rise, the first and the last not 0".into());
+            return Err("knots must increase, and the first and the last must not be 0".into());
         }
         if to.windows(2).any(|w| w[0] > w[1]) {
-            return Err("knots lead to heights that fall: must rise".into());
+            return Err("knots result in decreasing heights: must increase".into());
         }
         Ok(Self { from, to })
     }
@@ -303,7 +303,7 @@ mod tests {
             (vec![-1.0, f32::NAN], vec![0.0, 1.0], "no numbers"),
             (vec![0.0, 0.5], vec![0.0, 1.0], "not 0"),
             (vec![-1.0, -1.0, 1.0], vec![0.0, 0.0, 1.0], "must rise"),
-            (vec![-1.0, 1.0], vec![1.0, 0.0], "that fall"),
+            (vec![-1.0, 1.0], vec![1.0, 0.0], "decreasing"),
         ] {
             let error = Curve::new(from, to).unwrap_err();
             assert!(error.contains(told), "{error}");

@@ -197,12 +197,12 @@ impl Crs {
         if text.starts_with("+proj=") {
             let known = Self::from_proj(text.to_owned(), text)
                 .filter(|crs| crs.geographic || crs.projection().is_some());
-            return known.ok_or_else(|| format!("{text:?} is not a system that can be read"));
+            return known.ok_or_else(|| format!("{text:?} is not a supported coordinate reference system"));
         }
         let code = text.to_ascii_uppercase();
         let code = code.strip_prefix("EPSG:").unwrap_or(&code).parse::<u16>().ok();
         code.and_then(Self::epsg).ok_or_else(|| {
-            format!("{text:?} is no known system: give EPSG:CODE, such as EPSG:32632, or a string of PROJ")
+            format!("{text:?} is not a known coordinate reference system: give EPSG:CODE, e.g. EPSG:32632, or a PROJ string")
         })
     }
 

@@ -114,12 +114,12 @@ impl Data {
         names.sort();
         if let Some(s) = &selection {
             if let Some(missing) = s.files.keys().find(|name| !names.contains(name)) {
-                return Err(folder(dir, format!("there is no {missing}, which the selection names")));
+                return Err(folder(dir, format!("{missing} of the selection does not exist")));
             }
             names.retain(|name| s.files.contains_key(name));
         }
         if names.is_empty() {
-            return Err(folder(dir, "holds no elevation data (.bmp, .png, .npy, .tif or .tiff)"));
+            return Err(folder(dir, "contains no elevation data (.bmp, .png, .npy, .tif or .tiff)"));
         }
         let mut raw = Vec::new();
         let mut resolution = None;
@@ -143,7 +143,7 @@ impl Data {
                     return Err(folder(
                         &path,
                         format!(
-                            "samples are {own} m apart, those of files before {p} m: resample them to one resolution"
+                            "the sample spacing is {own} m, in previous files {p} m: resample them to one resolution"
                         ),
                     ));
                 }
@@ -153,7 +153,7 @@ impl Data {
                     return Err(folder(
                         &path,
                         format!(
-                            "window [{west}, {north}, {east}, {south}] is none of its {} columns and {} rows",
+                            "window [{west}, {north}, {east}, {south}] is not within its {} columns and {} rows",
                             raster.cols(),
                             raster.rows()
                         ),
@@ -174,7 +174,7 @@ impl Data {
         }
         let std = spread(raw.iter().filter(|(_, held_out, ..)| !held_out).map(|(.., r)| r));
         if std <= 0.0 || !std.is_finite() {
-            return Err(folder(dir, "heights don't vary: there is nothing to learn"));
+            return Err(folder(dir, "heights are constant, so there is nothing to learn"));
         }
         let scans = raw
             .into_iter()
@@ -191,8 +191,7 @@ impl Data {
 }
 
 fn folder(path: &Path, problem: impl std::fmt::Display) -> DataError {
-    let problem = problem.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    DataError::Folder { path: path.to_owned(), problem }
+    DataError::Folder { path: path.to_owned(), problem: vb_files::one_line(&problem.to_string()) }
 }
 
 fn read_selection(dir: &Path, given: Option<&Path>, hash: &mut Hash) -> Result<Option<Selection>, DataError> {

@@ -47,7 +47,7 @@ pub fn of_surfaces(surfaces: &[(Heightfield, f64)]) -> Result<Bands, String> {
     for (h, _) in surfaces {
         if h.rows().min(h.cols()) < WINDOW || (h.resolution() - RESOLUTION).abs() > 1e-9 {
             return Err(format!(
-                "{} x {} nodes, {} m apart: at least {WINDOW} x {WINDOW} nodes, {RESOLUTION} m apart, are needed",
+                "{} x {} nodes with a spacing of {} m: at least {WINDOW} x {WINDOW} nodes with {RESOLUTION} m are needed",
                 h.rows(),
                 h.cols(),
                 h.resolution()

@@ -60,7 +60,7 @@ pub struct Request {
 pub enum GenerateError {
     #[error("{0} nodes along a side: must be {min} to {max}", min = NODES[0], max = NODES[1])]
     Nodes(usize),
-    #[error("a resolution of {resolution} m: must be at least {least} m, as the model's own is {own} m")]
+    #[error("a resolution of {resolution} m: must be at least {least} m, because the model has {own} m")]
     Resolution {
         /// The resolution asked for, m.
         resolution: f64,
@@ -69,16 +69,14 @@ pub enum GenerateError {
         /// The model's, m.
         own: f64,
     },
-    #[error(
-        "{extent_m} m along a side at the model's own resolution of {own} m are too many samples: make it smaller"
-    )]
+    #[error("a side of {extent_m} m at the model's resolution of {own} m has too many samples: reduce it")]
     Extent {
         /// The longer side, m.
         extent_m: f64,
         /// The model's resolution, m.
         own: f64,
     },
-    #[error("a share of {0} of the relief: must be above 0 and at most 100")]
+    #[error("a relief fraction of {0}: must be above 0 and at most 100")]
     Share(f64),
 }
 

@@ -27,7 +27,7 @@ struct Checksum {
 pub enum ModelError {
     #[error("{}: can't be read: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
-    #[error("{}: {problem}: restore the file, or train the model again", path.display())]
+    #[error("{}: {problem}: restore the file, or retrain the model", path.display())]
     NoModel { path: PathBuf, problem: String },
 }
 
@@ -114,7 +114,7 @@ impl Model {
                 ));
             }
             if weight.iter().chain(bias).any(|v| !v.is_finite()) {
-                return Err(format!("layer {i} has weights that are no numbers"));
+                return Err(format!("layer {i} has weights that are not numbers"));
             }
         }
         Ok(Self { header, decoder: Decoder::new(weights), passes: passes.to_vec() })
@@ -152,7 +152,7 @@ impl Model {
     /// # Errors
     /// What is wrong with them, in words.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let damaged = |e: &dyn std::fmt::Display| format!("is no whole safetensors file ({e})");
+        let damaged = |e: &dyn std::fmt::Display| format!("is not a complete safetensors file ({e})");
         let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| damaged(&e))?;
         let text = metadata.metadata().as_ref().and_then(|m| m.get(KEY));
         let text = text.ok_or_else(|| format!("has no {KEY} metadata"))?;

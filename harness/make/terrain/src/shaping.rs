@@ -22,7 +22,7 @@ const GRID: usize = 64;
 /// Most knots, and most swells.
 const MOST: usize = 32;
 
-/// The figures of a shaping, as in a file.
+/// The parameters of a spectral shaping.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeParams {
@@ -32,21 +32,22 @@ pub struct ShapeParams {
     pub wavelengths: Vec<f64>,
     /// Gain at each wavelength: interpolated over the logarithm of the wavelength, constant below the first, 1 from the last on.
     pub gains: Vec<f64>,
-    /// The curve that maps heights about the smooth surface (waves longer than 16 samples), after the gains: heights at full relief, m, ascending.
-    /// Beyond the first and the last they are multiplied as these are.
+    /// The curve that maps heights relative to the smooth surface (wavelengths above 16 samples), after the gains:
+    /// heights at full relief, m, ascending. Beyond the first and the last, heights are multiplied by their factors.
     pub from: Vec<f64>,
-    /// What each of these heights becomes, m, ascending. Gentler above 0 and steeper below makes low rounded tops and deep narrow pits.
+    /// The mapped value of each of these heights, m, ascending. A smaller slope above 0 and a larger one below give low
+    /// rounded tops and deep narrow pits.
     pub to: Vec<f64>,
-    /// Smooth normal fields that are added.
+    /// Smooth Gaussian fields that are added.
     pub swells: Vec<Swell>,
 }
 
-/// A smooth normal field: a cubic B-spline over independent nodes. Its power is even over wavelengths longer than about
-/// twice the distance between its nodes.
+/// A smooth Gaussian field: a cubic B-spline over independent nodes. Its power is uniform over wavelengths above about
+/// twice the node spacing.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Swell {
-    /// Distance between nodes, m: a multiple of the model's resolution.
+    /// Node spacing, m: a multiple of the model's resolution.
     pub spacing: f64,
     /// Standard deviation at full relief, m.
     pub std: f64,
@@ -298,7 +299,7 @@ mod tests {
         assert!(
             wrong(&|p| p.swells[0].spacing = 4.3).starts_with("swells[0].spacing: 4.3 must be a multiple")
         );
-        assert!(wrong(&|p| p.to[0] = 5.0).starts_with("from or to: knots lead to heights that fall"));
+        assert!(wrong(&|p| p.to[0] = 5.0).starts_with("from or to: knots result in decreasing heights"));
         assert!(wrong(&|p| p.std = 0.0).starts_with("std: 0 must lie in"));
     }
 }

@@ -219,8 +219,8 @@ impl Characteristics {
             if ride.ride_frequency_hz > STIFF {
                 warnings.push(format!(
                     "{field}: axle {} has a ride frequency of {:.2} Hz (wheel rate {:.1} kN/m, {:.0} kg of sprung mass on a wheel); \
-                     more than {STIFF} Hz is stiffer than vehicles of this mass are. Check the rates of the springs and where the struts \
-                     stand",
+                     more than {STIFF} Hz is stiffer than usual for this mass. Check spring rates and strut \
+                     positions",
                     a.name,
                     ride.ride_frequency_hz,
                     1e-3 * ride.wheel_rate_n_per_m,
@@ -232,22 +232,22 @@ impl Characteristics {
             if mean > OVERDAMPED {
                 warnings.push(format!(
                     "{field}: axle {} has a damping ratio of {mean:.2} ({jounce:.2} in jounce, {rebound:.2} in rebound); more than \
-                     {OVERDAMPED} is overdamped. Check the dampers and where the struts stand",
+                     {OVERDAMPED} is overdamped. Check dampers and strut positions",
                     a.name
                 ));
             }
         }
         if let Some(gradient) = self.roll_gradient_deg_per_g.filter(|r| *r < UPRIGHT) {
             warnings.push(format!(
-                "axles: the roll gradient is {gradient:.2} °/g; less than {UPRIGHT} °/g is stiffer in roll than vehicles of this mass \
-                 are. Check springs, anti-roll bars and the height of chassis.com"
+                "axles: the roll gradient is {gradient:.2} °/g; less than {UPRIGHT} °/g is stiffer in roll than usual for this \
+                 mass. Check springs, anti-roll bars and the height of chassis.com"
             ));
         }
         if let (Some(height), Some(over)) = (self.articulation_m, self.articulation_over_wheelbase())
             && over < RIGID
         {
             warnings.push(format!(
-                "axles: a wheel lifts when the ground under one front wheel is {height:.3} m higher, {over:.3} of the wheelbase; less \
+                "axles: a wheel lifts when the terrain under one front wheel is {height:.3} m higher, {over:.3} of the wheelbase; less \
                  than {RIGID} is little articulation for a vehicle off the road. Check springs, stops and anti-roll bars"
             ));
         }
@@ -604,7 +604,7 @@ powertrain:
             "      range: [-0.2, 0.2]\n      anti_roll: {type: travel, stiffness: 60000.0}",
         );
         let e = warned(&[bar]);
-        assert!(e.contains("a wheel lifts when the ground under one front wheel is 0."), "{e}");
+        assert!(e.contains("a wheel lifts when the terrain under one front wheel is 0."), "{e}");
         let light = [
             ("mass: 2000.0", "mass: 200.0"),
             ("inertia: [500.0, 2000.0, 2200.0]", "inertia: [50.0, 200.0, 220.0]"),

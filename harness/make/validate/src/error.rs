@@ -12,9 +12,9 @@ pub enum ValidateError {
     Document(#[from] DocumentError),
     #[error(transparent)]
     Simulation(#[from] vb_sim::SimError),
-    #[error("there is no event {name} (one of: {known})")]
+    #[error("unknown event {name} (events: {known})")]
     UnknownEvent { name: String, known: String },
-    #[error("the event {name} is for {kind} vehicles; {vehicle} is none")]
+    #[error("the event {name} is for {kind} vehicles; {vehicle} is not one")]
     NotForVehicle {
         name: String,
         /// Such as wheeled or tracked.

@@ -155,7 +155,7 @@ impl References {
                 return Err(Flaw::new(at, problem));
             }
             if !events().iter().any(|e| references.concern(e.name, kind)) {
-                return Err(Flaw::new(at, "there is no figure and no curve of this kind"));
+                return Err(Flaw::new(at, "there is neither a figure nor a curve of this kind"));
             }
             let setup = entry.setup(vehicle).map_err(|flaw| flaw.within(&at))?;
             references.setups.insert(kind, setup);
@@ -215,7 +215,7 @@ mod tests {
         assert!(other.to_string().contains("\"bus\" is not the vehicle under test, \"car\""), "{other}");
         let e = References::parse("schema: 1\nvehicle: car\nevents: {flying: []}\n", "car.yaml", &car())
             .unwrap_err();
-        assert!(e.to_string().contains("events.flying: there is no event flying (one of: data-sheet"), "{e}");
+        assert!(e.to_string().contains("events.flying: unknown event flying (events: data-sheet"), "{e}");
     }
 
     #[test]
@@ -230,9 +230,12 @@ mod tests {
         let good = read("{chrono: {about: rigid, tyre: rigid}}").unwrap();
         assert_eq!(good.setups[&Kind::Chrono].ground.tyre.model(), "rigid");
         for (setups, says) in [
-            ("{theory: {about: a}}", "car.yaml: setups.theory: theory is held against the vehicle as it is"),
-            ("{convergence: {about: a}}", "car.yaml: setups.convergence: convergence is held against"),
-            ("{published: {about: a}}", "car.yaml: setups.published: there is no figure and no curve"),
+            (
+                "{theory: {about: a}}",
+                "car.yaml: setups.theory: theory is compared with the unchanged vehicle",
+            ),
+            ("{convergence: {about: a}}", "car.yaml: setups.convergence: convergence is compared with"),
+            ("{published: {about: a}}", "car.yaml: setups.published: there is neither a figure nor a curve"),
             ("{chrono: {about: a, tyre: square}}", "car.yaml: setups.chrono.tyre: \"square\" is not among"),
             ("{chrono: {about: a, soil_width: 0}}", "car.yaml: setups.chrono.soil_width: 0 must be"),
             ("{chrono: {about: a, tire: rigid}}", "tire"),

@@ -261,7 +261,7 @@ mod tests {
     fn unknown_events_and_impossible_steps_are_refused() {
         let refused =
             |o: &RunOptions| run(&hmmwv(), &[], &References::default(), o, |_| {}).unwrap_err().to_string();
-        assert!(refused(&only(&["flying"])).contains("no event flying"));
+        assert!(refused(&only(&["flying"])).contains("unknown event flying"));
         for step in [0.0, f64::NAN, 0.02, 1e-6] {
             assert!(
                 refused(&RunOptions { step, ..only(&["static"]) }).contains("between 0.01 and 10 ms"),
@@ -274,7 +274,7 @@ mod tests {
     fn without_its_soils_an_event_says_so_and_measures_nothing() {
         let report = run(&hmmwv(), &[], &References::default(), &only(&["soil-rest"]), |_| {}).unwrap();
         let outcome = &report.results[0].outcome;
-        assert!(outcome.figures.is_empty() && outcome.notes[0].contains("no soil set original"));
+        assert!(outcome.figures.is_empty() && outcome.notes[0].contains("soil set original is missing"));
         let report = run(&hmmwv(), &[], &references(), &only(&["soil-rest"]), |_| {}).unwrap();
         assert!(!report.passed(), "a reference that nothing is measured for fails");
     }

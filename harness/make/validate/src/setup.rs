@@ -81,7 +81,7 @@ fn resistance(table: &[[f64; 2]]) -> Result<(), Flaw> {
 pub(crate) fn refused(kind: Kind) -> Option<String> {
     matches!(kind, Kind::Theory | Kind::Convergence).then(|| {
         format!(
-            "{} is held against the vehicle as it is; only {} and {} have a set-up",
+            "{} is compared with the unchanged vehicle; only {} and {} have a set-up",
             kind.name(),
             Kind::Published.name(),
             Kind::Chrono.name()

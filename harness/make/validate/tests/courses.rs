@@ -67,13 +67,13 @@ fn obstacles_higher_than_the_wheels_and_level_courses_are_left_out_with_the_reas
     assert!(outcome.figures.is_empty());
     for inches in ["12", "24"] {
         let said = format!(
-            "half round {inches} in: left out, its wheels have a radius of 0.286 m, less than the height"
+            "half round {inches} in: omitted, because the wheel radius of 0.286 m is below the obstacle height"
         );
         assert!(outcome.notes.iter().any(|n| n.starts_with(&said)), "{:?}", outcome.notes);
     }
     let level = NamedCourse { name: "lawn".to_owned(), course: Course::straight(0.5, 2.0, &[0.3; 20]) };
     let outcome = drive(&gator, "ride-course", Some(level)).outcome;
-    assert_eq!(outcome.notes[0], "lawn: the course is level, so there is no such speed.");
+    assert_eq!(outcome.notes[0], "lawn: the course is level, so the speed is undefined.");
 }
 
 #[test]

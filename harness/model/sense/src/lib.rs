@@ -1,4 +1,4 @@
-//! What a vehicle perceives: the maps that its planner is given, and what its sensors measure while it drives.
+//! Perception: the prior maps that planners receive, and the sensors of a driving vehicle.
 //!
 //! - [`Profile`] is data: what is known beforehand, which sensors there are, and how wrong they are
 //!   (`tasks/perception/*.yaml`, explained in docs/perception.md).

@@ -25,7 +25,7 @@ use vb_vehicle::VehicleSpec;
 #[derive(Clone, Copy)]
 pub struct Truth<'a> {
     pub state: &'a VehicleState,
-    /// The ruts on soft soil, which a [`vb_sim::Simulation`] tells; `None` if there are none.
+    /// The ruts on soft soil, from a [`vb_sim::Simulation`]; `None` if there are none.
     pub ruts: Option<&'a dyn Ruts>,
 }
 
@@ -38,7 +38,7 @@ pub struct Readings {
     pub wheels: Vec<Wheel>,
     /// The measurements of the inertial measurement unit, oldest first.
     pub imu: Vec<ImuSample>,
-    /// The last position from satellites.
+    /// The last GNSS position.
     pub gnss: Option<GnssFix>,
     /// The last turn of the lidar.
     pub lidar: Option<LidarScan>,

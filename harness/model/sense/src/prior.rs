@@ -1,4 +1,4 @@
-//! The maps that a planner is given at the start.
+//! The maps that planners receive at the start.
 
 use crate::noise::Seed;
 use crate::profile::{PriorElevation, PriorSemantics, Profile, Recogniser};
@@ -6,19 +6,19 @@ use vb_math::rng::Stream;
 use vb_sdk::{GridFrame, HeightMap, LabelMap, Map};
 use vb_world::World;
 
-/// The maps that a planner is given at the start; one that the profile doesn't give is `None`.
+/// The maps that planners receive at the start; `None` for one that the profile omits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PriorMaps {
     /// The heights of the ground, m.
     pub elevation: Option<HeightMap>,
-    /// The kinds of ground, by their labels.
+    /// The terrain classes, by their labels.
     pub semantics: Option<LabelMap>,
     /// 1 where an obstacle covers any part of the sample's square, else 0.
     pub occupancy: Option<LabelMap>,
 }
 
 impl PriorMaps {
-    /// The maps of a world, at its scale, as a profile has them known.
+    /// The maps of a world, at its scale, with a profile's accuracy.
     #[must_use]
     pub fn new(profile: &Profile, world: &World, seed: &Seed) -> Self {
         let prior = &profile.data().prior;

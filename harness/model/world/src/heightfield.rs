@@ -51,7 +51,7 @@ pub struct Facet {
 #[derive(Clone, Debug)]
 pub struct Nearby<'a> {
     field: &'a Heightfield,
-    /// South-western corner of the cell, in resolutiones from that of the grid, and its opposite; nothing lies between them
+    /// South-western corner of the cell, in resolutions from that of the grid, and its opposite; nothing lies between them
     /// at first.
     low: [f64; 2],
     high: [f64; 2],
@@ -96,7 +96,7 @@ impl<'a> Nearby<'a> {
 struct Cell {
     col: usize,
     row: usize,
-    /// From the south-western corner, in resolutiones; beyond [0, 1] outside the grid.
+    /// From the south-western corner, in resolutions; beyond [0, 1] outside the grid.
     within: [f64; 2],
     /// Whether it is on the north-western triangle.
     upper: bool,
@@ -257,7 +257,7 @@ impl Heightfield {
         Cell { col, row, within: [u, v], upper, z: z00, rise }
     }
 
-    /// Column and row of the cell at a place in resolutiones from the south-western corner; the nearest beyond the edge.
+    /// Column and row of the cell at a place in resolutions from the south-western corner; the nearest beyond the edge.
     #[inline]
     fn indices(&self, fx: f64, fy: f64) -> (usize, usize) {
         // By way of u32, which a conversion reaches with fewer instructions.

@@ -114,7 +114,7 @@ impl SoilLevel {
     }
 }
 
-/// The level of each deformable class in a world; what it stands for is the matter of a soil file.
+/// The level of each deformable class in a world; the soil set defines the soil of each level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[allow(missing_docs, reason = "the classes of the paper")]

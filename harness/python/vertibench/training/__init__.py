@@ -4,7 +4,7 @@ The command line trains with stable-baselines3 (SAC, or PPO with `algorithm: ppo
 
 - `python -m vertibench.training train acl --out runs/acl-0` trains; an interrupted run continues
 - `export` writes the policy's weights in the planners' format
-- `package` makes a planner from weights, for `vertibench --plugin` and leaderboards
+- `package` makes a planner from weights, for `vertibench run` and leaderboards
 - `evaluate` measures success, `curves` plots it over steps, `card` compares policies
 
 All settings are in a YAML file, `tasks/training/policy.yaml` by default. docs/training.md is a step-by-step guide. The

@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("run_folder", type=Path, metavar="RUN", help="folder of a run or of a checkpoint")
     export.add_argument("weights", type=Path, help="file to write")
 
-    package = command("package", _package, "Makes a planner from weights: a file for `vertibench --plugin`.")
+    package = command("package", _package, "Makes a planner from weights: a file for `vertibench run`.")
     package.add_argument("weights", type=Path)
     package.add_argument("planner", type=Path, help="file to write, e.g. my-policy.wasm")
     package.add_argument("--name", help="name of the planner (default: name of the file)")
@@ -93,7 +93,7 @@ def _package(own: argparse.Namespace) -> None:
     from ._package import package
 
     package(own.weights, own.planner, own.name or own.planner.stem, own.about)
-    print(f"{own.planner}: run it with `vertibench --plugin {own.planner}`")
+    print(f"{own.planner}: run it with `vertibench run {own.planner}`")
 
 
 def _evaluate(own: argparse.Namespace) -> None:

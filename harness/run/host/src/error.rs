@@ -15,11 +15,11 @@ pub enum LoadError {
     NotFound { path: PathBuf },
     #[error("{}: can't read the plugin: {source}", .path.display())]
     Io { path: PathBuf, source: std::io::Error },
-    #[error("{}: the plugin file is empty; build it again", .path.display())]
+    #[error("{}: the plugin file is empty; rebuild it", .path.display())]
     Empty { path: PathBuf },
     #[error("{}: not a planner plugin: {reason}", .path.display())]
     NotAPlugin { path: PathBuf, reason: String },
-    #[error("{}: the plugin is truncated or damaged: {reason}; build it again", .path.display())]
+    #[error("{}: the plugin is truncated or damaged: {reason}; rebuild it", .path.display())]
     Damaged { path: PathBuf, reason: String },
     #[error("{}: the plugin's metadata can't be read: {source}{}", .path.display(), hint::metadata(.source))]
     Metadata { path: PathBuf, source: vb_sdk::metadata::MetadataError },
@@ -29,7 +29,7 @@ pub enum LoadError {
     )]
     AbiVersion { path: PathBuf, found: String },
     #[error(
-        "{}: the plugin imports {}, which planners don't get; {}",
+        "{}: the plugin imports {}, which is not available to planners; {}",
         .path.display(), hint::shown(.imports), hint::imports(.imports)
     )]
     ForbiddenImports {
@@ -40,7 +40,7 @@ pub enum LoadError {
     /// The WebAssembly code is not valid, or the native library can't be opened.
     #[error("{}: the plugin can't be loaded: {reason}", .path.display())]
     Unloadable { path: PathBuf, reason: String },
-    #[error("{}: the plugin has {found} {what}, it may have {limit}", .path.display())]
+    #[error("{}: the plugin has {found} {what}; the limit is {limit}", .path.display())]
     TooLarge {
         path: PathBuf,
         /// The kind of thing of which there is too much, e.g. `bytes`.
@@ -49,7 +49,7 @@ pub enum LoadError {
         limit: u64,
     },
     #[error(
-        "{}: compiling the plugin takes more than {limit} {what}; make its largest functions smaller and fewer, or raise {field} \
+        "{}: compiling the plugin takes more than {limit} {what}; split its largest functions, or raise {field} \
          (run --limits)",
         .path.display()
     )]

@@ -48,12 +48,12 @@ impl PlannerFault {
 #[non_exhaustive]
 pub enum FaultCause {
     /// The planner computed longer than it may in one call.
-    #[error("used up its {budget} units of fuel")]
+    #[error("exceeded its limit of {budget} units of fuel")]
     OutOfFuel { budget: u64 },
     /// The planner computed longer than it may in all of a task.
-    #[error("used up its task's {budget} units of fuel")]
+    #[error("exceeded the task's limit of {budget} units of fuel")]
     OutOfTaskFuel { budget: u64 },
-    #[error("wanted {wanted} {what}, it may have {limit}")]
+    #[error("requested {wanted} {what}; the limit is {limit}")]
     OutOfMemory {
         what: Resource,
         /// The amount with the request granted.
@@ -110,28 +110,28 @@ pub enum FaultCause {
         /// The value of the field: `NaN`, `inf` or `-inf`.
         value: String,
     },
-    #[error("its result takes more than the {limit} bytes that a call may hand over")]
+    #[error("its result exceeds the limit of {limit} bytes per call")]
     OutputTooLarge {
         /// The greatest size that the result may have, bytes.
         limit: u64,
     },
-    #[error("used {import}, which planners don't get")]
+    #[error("used {import}, which is not available to planners")]
     ImportDenied { import: String },
     /// The worker's plugin speaks another version of the interface than the one it was loaded with.
     #[error("speaks another version of the planner interface: {message}")]
     AbiMismatch { message: String },
     #[error("{how}")]
     Crashed { how: ProcessEnd },
-    #[error("gave no answer within {limit_ms} ms of wall-clock time")]
+    #[error("did not respond within {limit_ms} ms of wall-clock time")]
     Hung {
         /// The wall-clock time that it had, ms.
         limit_ms: u64,
     },
-    #[error("broke the protocol: {message}")]
+    #[error("violated the protocol: {message}")]
     Protocol { message: String },
     /// The operating system refused what the host needs to run the planner, address space for instance. The planner is
     /// not to blame.
-    #[error("the machine refused what the host needs: {message}")]
+    #[error("the machine denied a resource to the host: {message}")]
     Machine { message: String },
     /// A WASM call took more wall-clock time than any fuel can explain. Fuel is what judges a planner, so this is the
     /// machine's fault, or a bug of the harness.
@@ -141,7 +141,7 @@ pub enum FaultCause {
         limit_ms: u64,
     },
     /// The process that runs native planners can't be started or confined.
-    #[error("the planner's process can't be run: {message}")]
+    #[error("the planner's process cannot be started: {message}")]
     Worker { message: String },
     /// No external planner connected within the time limit.
     #[error("{message}")]
@@ -161,7 +161,7 @@ impl FaultCause {
     /// A process that somebody else ended; `who` it was.
     pub(crate) fn killed(who: &str) -> Self {
         let message =
-            format!("{who} was killed from outside, by the system for want of memory or by somebody");
+            format!("{who} was killed from outside, by the system for lack of memory or by another process");
         Self::Machine { message }
     }
 
@@ -203,10 +203,10 @@ impl FaultCause {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::OutOfFuel { .. } => {
-                "compute less a call, or raise fuel_init or fuel_per_step (run --limits); one unit is about one instruction"
+                "compute less per call, or raise fuel_init or fuel_per_step (run --limits); one unit is about one instruction"
             }
             Self::OutOfTaskFuel { .. } => {
-                "compute less a call or less often, or raise fuel_per_task (run --limits)"
+                "compute less per call or less often, or raise fuel_per_task (run --limits)"
             }
             Self::OutOfMemory { what: Resource::Memory, .. }
             | Self::ProcessOutOfMemory { limit: Some(_) } => {
@@ -216,7 +216,7 @@ impl FaultCause {
                 "make fewer tables, or raise table_elements (run --limits)"
             }
             Self::ProcessOutOfMemory { limit: None } => {
-                "allocate less, or free memory of the machine; the harness sets commands no limit"
+                "allocate less, or free memory of the machine; commands have no limit of the harness"
             }
             Self::StackOverflow { limit: None, .. } => {
                 "recurse less deeply and keep big arrays on the heap, or link it with a larger stack (-z stack-size)"
@@ -225,33 +225,33 @@ impl FaultCause {
                 "recurse less deeply and keep big arrays on the heap, or raise stack_bytes (run --limits)"
             }
             Self::ProcessStackOverflow { .. } => {
-                "recurse less deeply and keep big arrays on the heap; the system sets the size (ulimit -s), and no limit of the \
-                 harness does"
+                "recurse less deeply and keep large arrays on the heap; the stack size is set by the system (ulimit -s), not \
+                 by the harness"
             }
             Self::Trap { backtrace, .. } if backtrace.is_empty() => {
-                "no function is known: it may be in what a call handed over, so look at pointers, lengths and texts of results"
+                "the function is unknown; check pointers, lengths and texts in the results of calls"
             }
             Self::Trap { .. } => "look at the functions named; run --verbose shows more of them",
             Self::Panic { message } => hint::panic(message),
             Self::Error { .. } | Self::InitFailed { .. } => {
-                "the planner's own code reported this error: see there, or run check --plugin on it"
+                "the planner's code reported this error: see there, or run check --plugin"
             }
             Self::BadCommand { .. } => "start from a command that is all zero, and set its fields",
             Self::InvalidOutput { .. } => "look for a division by zero",
             Self::OutputTooLarge { .. } => "send less debug data, or raise output_bytes (run --limits)",
-            Self::ImportDenied { .. } => "planners get no files, network or processes; do without",
-            Self::AbiMismatch { .. } => "build the plugin again with the harness's vb-sdk",
+            Self::ImportDenied { .. } => "planners have no files, network or processes: remove the use",
+            Self::AbiMismatch { .. } => "rebuild the plugin with the harness's vb-sdk",
             Self::Crashed { .. } => "run the planner under a debugger, or build it for WASM for a backtrace",
-            Self::Hung { .. } => "compute less a call, or raise watchdog_ms (run --limits)",
+            Self::Hung { .. } => "compute less per call, or raise watchdog_ms (run --limits)",
             Self::Protocol { message } if message.starts_with(MALFORMED) => {
                 "compare it with the table of fields in docs/worker-protocol.md, and print nothing to standard output"
             }
             Self::Protocol { .. } => "send nothing but the protocol's messages to standard output",
-            Self::Machine { .. } => "free memory or lower --jobs; run --resume runs the task again",
+            Self::Machine { .. } => "free memory or lower --jobs; run --resume re-runs the task",
             Self::Watchdog { .. } => {
-                "the machine is overloaded: lower --jobs or raise watchdog_ms (run --limits); run --resume runs the task again"
+                "the machine is overloaded: lower --jobs or raise watchdog_ms (run --limits); run --resume re-runs the task"
             }
-            Self::Worker { .. } => "see what the system refused; run --resume runs the task again",
+            Self::Worker { .. } => "see what the system denied; run --resume re-runs the task",
             Self::PeerMissing { .. } => {
                 "start the node first, with the same ROS_DOMAIN_ID and a network interface in common (docs/ros2.md)"
             }
@@ -307,26 +307,24 @@ impl fmt::Display for ProcessEnd {
         /// Signals that planners die of, with the numbers that Linux and macOS share, and what they mean.
         const SIGNALS: [(i32, &str); 8] = [
             (4, "SIGILL: illegal instruction"),
-            (6, "SIGABRT: it aborted"),
+            (6, "SIGABRT: aborted"),
             (8, "SIGFPE: integer division by zero"),
-            (9, "SIGKILL: killed from outside, or for its memory"),
-            (11, "SIGSEGV: it used memory that isn't its own"),
-            (13, "SIGPIPE: it wrote to a closed pipe"),
-            (15, "SIGTERM: ended from outside"),
-            (24, "SIGXCPU: it used up its processor time"),
+            (9, "SIGKILL: killed from outside, or for lack of memory"),
+            (11, "SIGSEGV: invalid memory access"),
+            (13, "SIGPIPE: write to a closed pipe"),
+            (15, "SIGTERM: terminated from outside"),
+            (24, "SIGXCPU: processor time limit exceeded"),
         ];
         match *self {
-            Self::Exit(code) => write!(f, "it ended by itself with exit code {code}"),
-            Self::Mute => f.write_str("its process closed its output and had to be ended"),
+            Self::Exit(code) => write!(f, "it exited with code {code}"),
+            Self::Mute => f.write_str("its process closed its output and was killed"),
             // SIGBUS and SIGSYS have other numbers elsewhere.
             #[cfg(target_os = "linux")]
             Self::Signal(7) => {
-                f.write_str("its process died of signal 7 (SIGBUS: it used memory that isn't there)")
+                f.write_str("its process died of signal 7 (SIGBUS: access to nonexistent memory)")
             }
             #[cfg(target_os = "linux")]
-            Self::Signal(31) => f.write_str(
-                "its process died of signal 31 (SIGSYS: it made a system call that planners don't get)",
-            ),
+            Self::Signal(31) => f.write_str("its process died of signal 31 (SIGSYS: forbidden system call)"),
             Self::Signal(signal) => {
                 write!(f, "its process died of signal {signal}")?;
                 SIGNALS.iter().find(|(n, _)| *n == signal).map_or(Ok(()), |(_, text)| write!(f, " ({text})"))
@@ -336,7 +334,7 @@ impl fmt::Display for ProcessEnd {
 }
 
 fn used_up(limit: Option<u64>) -> String {
-    limit.map_or_else(|| "ran out of memory".into(), |n| format!("used up its memory: it may have {n} bytes"))
+    limit.map_or_else(|| "ran out of memory".into(), |n| format!("exceeded its memory limit of {n} bytes"))
 }
 
 fn of_bytes(limit: Option<u64>) -> String {
@@ -373,13 +371,13 @@ mod tests {
     #[test]
     fn a_refusal_of_memory_tells_what_was_wanted_and_the_limit() {
         let cause = |what| FaultCause::OutOfMemory { what, wanted: 128, limit: 64 };
-        assert_eq!(cause(Resource::Memory).to_string(), "wanted 128 bytes of memory, it may have 64");
-        assert_eq!(cause(Resource::Table).to_string(), "wanted 128 table elements, it may have 64");
+        assert_eq!(cause(Resource::Memory).to_string(), "requested 128 bytes of memory; the limit is 64");
+        assert_eq!(cause(Resource::Table).to_string(), "requested 128 table elements; the limit is 64");
         // Each names the limit that is to be raised, and no other.
         assert!(!cause(Resource::Memory).hint().contains("table_elements"));
         assert!(!cause(Resource::Table).hint().contains("memory_bytes"));
         let process = |limit| FaultCause::ProcessOutOfMemory { limit };
-        assert_eq!(process(Some(64)).to_string(), "used up its memory: it may have 64 bytes");
+        assert_eq!(process(Some(64)).to_string(), "exceeded its memory limit of 64 bytes");
         assert_eq!(process(None).to_string(), "ran out of memory");
         assert!(!process(None).hint().contains("--limits"));
     }
@@ -395,7 +393,7 @@ mod tests {
     #[test]
     fn the_end_of_a_process_is_told_in_words() {
         let text = |how| FaultCause::Crashed { how }.to_string();
-        assert_eq!(text(ProcessEnd::Exit(3)), "it ended by itself with exit code 3");
+        assert_eq!(text(ProcessEnd::Exit(3)), "it exited with code 3");
         assert!(text(ProcessEnd::Signal(11)).contains("signal 11 (SIGSEGV"));
         assert_eq!(text(ProcessEnd::Signal(60)), "its process died of signal 60");
     }

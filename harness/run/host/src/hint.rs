@@ -22,7 +22,7 @@ pub(crate) fn missing(path: &Path) -> String {
     }
     let text = path.to_string_lossy();
     if let Some((program, _)) = text.split_once(char::is_whitespace) {
-        return format!("to be a command, its first word, {program}, would have to be a program in the PATH");
+        return format!("a command needs a program in the PATH as its first word, but {program} is none");
     }
     let ending = |wanted: &[&str]| path.extension().is_some_and(|e| wanted.iter().any(|w| e == *w));
     let is_of_cargo = path.components().any(|part| part.as_os_str() == "target");
@@ -32,7 +32,7 @@ pub(crate) fn missing(path: &Path) -> String {
     SHIPPED.into()
 }
 
-const SHIPPED: &str = "the shipped planners are built by `cargo xtask plugins`";
+const SHIPPED: &str = "build the shipped planners with `cargo xtask plugins`";
 
 /// A file in the same folder whose name differs in what is easily mixed up: `-` and `_`, capitals, the `lib` before
 /// a native library.
@@ -53,19 +53,17 @@ fn near(path: &Path) -> Option<PathBuf> {
 /// About a file that is neither WebAssembly nor a native library; it begins with these bytes.
 pub(crate) fn of_another_kind(path: &Path, bytes: &[u8]) -> Option<String> {
     if bytes.starts_with(ARCHIVE) {
-        return Some(format!(
-            "it is a static library; say {CDYLIB}, and give the file that cargo builds then"
-        ));
+        return Some(format!("it is a static library; set {CDYLIB}, and give the resulting file"));
     }
     let ending = path.extension();
     let program = SCRIPTS.iter().find(|(e, _)| ending.is_some_and(|found| found == *e)).map(|(_, p)| *p);
     match program {
         Some(program) => Some(format!(
-            "a script is run by a command, in quotation marks: --plugin \"{program} {}\"",
+            "run a script as a command, in quotation marks: --plugin \"{program} {}\"",
             path.display()
         )),
         None if bytes.starts_with(b"#!") => Some(
-            "a script is run by a command of more than one word, in quotation marks, as --plugin \"python3 mine.py\""
+            "run a script as a command with its interpreter, in quotation marks, e.g. --plugin \"python3 mine.py\""
                 .into(),
         ),
         None => None,
@@ -75,9 +73,9 @@ pub(crate) fn of_another_kind(path: &Path, bytes: &[u8]) -> Option<String> {
 /// About a plugin without metadata.
 pub(crate) fn no_metadata(is_native: bool) -> &'static str {
     if is_native {
-        "they are written by vb_sdk::export_planner! in Rust, and by VB_PLANNER_METADATA of vb_planner.h in C and C++"
+        "vb_sdk::export_planner! in Rust and VB_PLANNER_METADATA of vb_planner.h in C and C++ write them"
     } else {
-        "they are written by vb_sdk::export_planner! in Rust, and by `vb-harness plugin stamp` for other languages"
+        "vb_sdk::export_planner! in Rust and `vb-harness plugin stamp` for other languages write them"
     }
 }
 
@@ -86,18 +84,18 @@ pub(crate) fn metadata(error: &MetadataError) -> String {
     let rule = match error {
         MetadataError::BadLine { text, .. } => match text.split_once(": ") {
             None => ", but a line is `key: value`",
-            Some(("name", _)) => ", but a name is of a-z, 0-9, - and _ only",
+            Some(("name", _)) => ", but a name consists of a-z, 0-9, - and _",
             Some(("control-period", _)) => {
                 ", but a control period is a positive multiple of 0.001, in seconds"
             }
             Some(("default" | "help", _)) => ", but it must follow a param",
-            Some(_) => ", but after a backslash only n, r or another backslash may come",
+            Some(_) => ", but only n, r or another backslash may follow a backslash",
         },
         // Their own texts name it.
         _ => "",
     };
     format!(
-        "{rule}; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and build the plugin again"
+        "{rule}; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and rebuild the plugin"
     )
 }
 
@@ -125,12 +123,12 @@ pub(crate) fn imports(names: &[String]) -> String {
     if asks_for(&["thread", "threads", "pthread", "spawn", "worker"]) {
         hints.push(NO_THREADS);
     }
-    hints.push("build it for wasm32-unknown-unknown and let it use nothing but vb-sdk");
+    hints.push("build it for wasm32-unknown-unknown and use only vb-sdk");
     hints.join("; ")
 }
 
 const NO_CLOCK: &str = "planners have no clock: use the observation's `time`, which is simulated";
-const NO_THREADS: &str = "planners have no threads: compute in one";
+const NO_THREADS: &str = "planners have no threads: use a single thread";
 
 /// About a panic with this text.
 pub(crate) fn panic(message: &str) -> &'static str {
@@ -140,7 +138,7 @@ pub(crate) fn panic(message: &str) -> &'static str {
     } else if message.contains("failed to spawn thread") {
         NO_THREADS
     } else {
-        "fix the place named"
+        "fix the code at this location"
     }
 }
 
@@ -204,6 +202,6 @@ mod tests {
     fn a_panic_for_want_of_a_clock_says_so() {
         let text = "panicked at library/std/src/sys/pal/wasm/../unsupported/time.rs:13:9: time not implemented on this platform";
         assert_eq!(panic(text), NO_CLOCK);
-        assert_eq!(panic("panicked at src/lib.rs:1:1: index out of bounds"), "fix the place named");
+        assert_eq!(panic("panicked at src/lib.rs:1:1: index out of bounds"), "fix the code at this location");
     }
 }

@@ -106,7 +106,7 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<PluginFile, LoadError> {
     };
     let text = text.ok_or_else(|| LoadError::NotAPlugin {
         path: path.into(),
-        reason: format!("it carries no planner metadata; {}", hint::no_metadata(format == Format::Native)),
+        reason: format!("it contains no planner metadata; {}", hint::no_metadata(format == Format::Native)),
     })?;
     let too_large = |what, found, limit| LoadError::TooLarge { path: path.into(), what, found, limit };
     if text.len() as u64 > MAX_METADATA {
@@ -174,8 +174,8 @@ fn wasm_section(path: &Path, bytes: &[u8]) -> Result<Found, LoadError> {
         Some(Encoding::Component) => Ok((Format::Component, text)),
         _ if has_type => Ok((Format::CoreModule, text)),
         _ => {
-            let reason = "it is a core WebAssembly module without the planner interface; export a planner by \
-                          vb_sdk::export_planner!, or turn it into a component";
+            let reason = "it is a core WebAssembly module without the planner interface; export a planner with \
+                          vb_sdk::export_planner!, or convert it to a component";
             Err(LoadError::NotAPlugin { path: path.into(), reason: reason.into() })
         }
     }

@@ -64,7 +64,7 @@ pub enum Unfit {
     #[error("{0}")]
     Invalid(#[from] BinaryReaderError),
     #[error(
-        "a function has {found} {what} once its NaNs are made the same on every processor, and may have {limit}; divide \
+        "a function has {found} {what} after NaN canonicalisation; the limit is {limit}: split \
          the function"
     )]
     TooLarge { what: &'static str, found: usize, limit: usize },

@@ -77,11 +77,11 @@ fn footer(bytes: &Bytes) -> Result<&[u8], Problem> {
     let (rest, end) = bytes.split_last_chunk::<8>().ok_or("the file is too short to be a Parquet file")?;
     let [a, b, c, d, mark @ ..] = end;
     if mark != b"PAR1" || !bytes.starts_with(b"PAR1") {
-        return Err("it is no Parquet file, or is truncated".into());
+        return Err("it is not a Parquet file, or is truncated".into());
     }
     let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
     if length > FOOTER {
-        return Err(format!("its footer has {length} bytes, at most {FOOTER} are read"));
+        return Err(format!("its footer has {length} bytes; at most {FOOTER} are allowed"));
     }
     let start = rest.len().checked_sub(length).ok_or("its footer is longer than the file")?;
     Ok(&rest[start..])
@@ -105,7 +105,7 @@ fn check_footer(footer: &[u8]) -> Result<(), Problem> {
         let (count, element) = list.list()?;
         if count > most {
             let what = if number == 2 { "elements in its schema" } else { "row groups" };
-            problem = Some(format!("it has {count} {what}, at most {most} are read"));
+            problem = Some(format!("it has {count} {what}; at most {most} are allowed"));
             return None;
         }
         if number == 4 {
@@ -147,10 +147,12 @@ fn check_schema(children: &[i64]) -> Result<(), Problem> {
                 open.push(*own);
             }
         } else {
-            return Err(format!("element {k} of its schema has {own} children, of {left} that are left"));
+            return Err(format!(
+                "element {k} of its schema has {own} children, but only {left} elements follow"
+            ));
         }
         if open.len() > DEPTH {
-            return Err(format!("its schema has more than {DEPTH} groups within each other"));
+            return Err(format!("its schema has more than {DEPTH} nested groups"));
         }
         // This element is a child of the innermost group, unless it has opened one.
         if *own == 0 {
@@ -181,7 +183,7 @@ fn check_pages(bytes: &Bytes, metadata: &ParquetMetaData, bounds: &ParquetBounds
         let rows = u64::try_from(group.num_rows()).unwrap_or(u64::MAX);
         if rows > bounds.values {
             return Err(format!(
-                "row group {k} has {} rows, at most {} are read",
+                "row group {k} has {} rows; at most {} are allowed",
                 group.num_rows(),
                 bounds.values
             ));
@@ -214,19 +216,14 @@ fn check_column(
         let (compressed, size) = (page.compressed, page.uncompressed.max(page.compressed));
         if column.compression() == Compression::SNAPPY && page.uncompressed > compressed * SNAPPY.0 + SNAPPY.1
         {
-            return Err(format!(
-                "a page of {compressed} bytes can't have {} before compression",
-                page.uncompressed
-            ));
+            return Err(format!("a page of {compressed} bytes cannot decompress to {}", page.uncompressed));
         }
         if !page.encodings.iter().flatten().all(|encoding| ENCODINGS.contains(encoding)) {
-            return Err(
-                "it is encoded by differences, which isn't read: write it PLAIN or with a dictionary".into(),
-            );
+            return Err("delta encoding is not supported: write it PLAIN or with a dictionary".into());
         }
         if page.is_dictionary && (size > bounds.dictionary || page.values > size) {
             return Err(format!(
-                "a dictionary of {} values in {size} bytes, at most {} bytes are read",
+                "a dictionary of {} values in {size} bytes; at most {} bytes are allowed",
                 page.values, bounds.dictionary
             ));
         }
@@ -241,9 +238,7 @@ fn check_column(
             ("bytes before compression", sums.bytes, bounds.bytes),
         ] {
             if sum > most {
-                return Err(format!(
-                    "the file has more than {most} {what}, the most that is read of such a file"
-                ));
+                return Err(format!("the file has more than {most} {what}, the limit for such a file"));
             }
         }
     }
@@ -317,7 +312,7 @@ mod tests {
         assert_eq!(check_schema(&[]), Ok(()));
         let chain = |n: usize| (0..n).map(|k| i64::from(k + 1 < n)).collect::<Vec<_>>();
         assert_eq!(check_schema(&chain(DEPTH + 1)), Ok(()));
-        assert!(check_schema(&chain(DEPTH + 2)).unwrap_err().contains("within each other"));
+        assert!(check_schema(&chain(DEPTH + 2)).unwrap_err().contains("nested groups"));
         // Many groups side by side are not deep.
         let flat: Vec<i64> = std::iter::once(1000).chain([1, 0].repeat(1000)).collect();
         assert_eq!(check_schema(&flat), Ok(()));
@@ -370,11 +365,11 @@ mod tests {
         let e = refused(&file, &ParquetBounds { values: 1999, ..ENOUGH });
         assert!(e.contains("column value: the file has more than 1999 values"), "{e}");
         let e = refused(&file, &ParquetBounds { values: 999, ..ENOUGH });
-        assert!(e.contains("row group 0 has 1000 rows, at most 999 are read"), "{e}");
+        assert!(e.contains("row group 0 has 1000 rows; at most 999 are allowed"), "{e}");
         let e = refused(&file, &ParquetBounds { bytes: 4000, ..ENOUGH });
         assert!(e.contains("the file has more than 4000 bytes before compression"), "{e}");
         let e = refused(&file, &ParquetBounds { dictionary: 12, ..ENOUGH });
-        assert!(e.contains("column name: a dictionary of 2 values in 13 bytes, at most 12 bytes"), "{e}");
+        assert!(e.contains("column name: a dictionary of 2 values in 13 bytes; at most 12 bytes"), "{e}");
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.parquet");
         std::fs::write(&path, &file).unwrap();
@@ -420,11 +415,11 @@ mod tests {
     fn footers_that_would_be_trees_and_lists_without_end_are_refused() {
         let chain: Vec<i64> = (0..4000).map(|k| i64::from(k < 3999)).collect();
         let e = refused(&with_footer(&footer_of(&chain, 0)), &ENOUGH);
-        assert!(e.contains("more than 16 groups within each other"), "{e}");
+        assert!(e.contains("more than 16 nested groups"), "{e}");
         let e = refused(&with_footer(&footer_of(&[i64::from(i32::MAX), 0], 0)), &ENOUGH);
-        assert!(e.contains("2147483647 children, of 1 that are left"), "{e}");
+        assert!(e.contains("2147483647 children, but only 1 elements follow"), "{e}");
         let e = refused(&with_footer(&footer_of(&[0; 5000], 0)), &ENOUGH);
-        assert!(e.contains("5000 elements in its schema, at most 4096"), "{e}");
+        assert!(e.contains("5000 elements in its schema; at most 4096"), "{e}");
         let e = refused(&with_footer(&footer_of(&[1, 0], 100_000)), &ENOUGH);
         assert!(e.contains("100000 row groups, at most 65536"), "{e}");
         let mut long = table(1).to_vec();

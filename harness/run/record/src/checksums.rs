@@ -20,7 +20,7 @@ pub(crate) const CHECKSUMS: &str = "checksums.txt";
 /// Length of a SHA-256 in hexadecimal.
 const HEX: usize = 64;
 
-const HINT: &str = "the disk or a copy is damaged: restore the run from where it was whole, or run it again";
+const HINT: &str = "the disk or a copy is damaged: restore the run from an intact copy, or re-run";
 
 /// The name by which a task's record has its checksum.
 pub(crate) fn record_name(task: &TaskId) -> String {
@@ -51,7 +51,7 @@ impl Checksums {
                 .ok()
                 .and_then(|l| l.split_once("  "))
                 .filter(|(sum, name)| sum.len() == HEX && !name.is_empty())
-                .ok_or_else(|| damaged(&path, format!("line {} is no checksum", k + 1)))?;
+                .ok_or_else(|| damaged(&path, format!("line {} is not a checksum", k + 1)))?;
             sums.insert(name.into(), sum.into());
         }
         Ok(Some(Self { sums }))
@@ -91,7 +91,7 @@ impl Checksums {
         match self.sums.get(name) {
             None => Err(damaged(path, format!("{name} has no checksum in {CHECKSUMS}"))),
             Some(sum) if **sum == *sha256(bytes) => Ok(()),
-            Some(_) => Err(damaged(path, format!("{name} is not what was written: its checksum is another"))),
+            Some(_) => Err(damaged(path, format!("{name} has another checksum than when it was written"))),
         }
     }
 }
@@ -104,8 +104,8 @@ fn damaged(path: &Path, detail: String) -> StoreError {
 pub(crate) fn missing(path: &Path) -> StoreError {
     StoreError::Damaged {
         path: path.to_owned(),
-        detail: format!("the file is missing, though {CHECKSUMS} has it"),
-        hint: "restore it from where the run was whole; if it was removed on purpose, delete the run's checksums.txt",
+        detail: format!("the file is missing, but {CHECKSUMS} lists it"),
+        hint: "restore it from an intact copy; if it was removed on purpose, delete the run's checksums.txt",
     }
 }
 

@@ -18,7 +18,7 @@ pub enum StoreError {
     },
     /// A new run was asked for in a directory that holds something.
     #[error(
-        "output directory {} is not empty (choose another with --out, or go on with the run in it with --resume)",
+        "output directory {} is not empty (choose another with --out, or continue its run with --resume)",
         .0.display()
     )]
     NotEmpty(PathBuf),
@@ -26,15 +26,15 @@ pub enum StoreError {
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     Taken(PathBuf),
     /// There is no run in the directory.
-    #[error("{} holds no run: run.json is missing (give the directory of a run)", .0.display())]
+    #[error("{} is not a run: run.json is missing (give the directory of a run)", .0.display())]
     NoRun(PathBuf),
     /// Another process writes to this directory.
     #[error("{} is in use by another process (wait for it to end, or choose another --out)", .0.display())]
     Locked(PathBuf),
     /// The run in the directory was made with something else than what is to be resumed.
     #[error(
-        "cannot resume {}: {field} differs: the run has {recorded}, this command has {wanted} (repeat the run's own \
-         settings, or start a new run with another --out)",
+        "cannot resume {}: {field} differs: the run has {recorded}, this command has {wanted} (repeat the settings \
+         of the run, or start a new run with another --out)",
         .dir.display()
     )]
     Differs {
@@ -48,7 +48,7 @@ pub enum StoreError {
         wanted: String,
     },
     /// run.json was written by a version that this one doesn't read.
-    #[error("{}: schema {found} is not supported, this version reads schema {supported} (use the version that wrote it)", .path.display())]
+    #[error("{}: schema {found} is not supported; this version reads schema {supported} (use the version that wrote it)", .path.display())]
     Schema {
         /// The path of the file.
         path: PathBuf,
@@ -68,7 +68,7 @@ pub enum StoreError {
         hint: &'static str,
     },
     /// A value can't be written as JSON or Parquet.
-    #[error("cannot encode {what}: {detail} (this is a fault of the harness: please report it)")]
+    #[error("cannot encode {what}: {detail} (this is an error of the harness: please report it)")]
     Encode {
         /// The object that was to be written.
         what: &'static str,
@@ -115,15 +115,15 @@ fn hint(action: &str, e: &io::Error) -> &'static str {
         io::ErrorKind::PermissionDenied if reads => " (ask its owner for the permission to read it)",
         io::ErrorKind::NotADirectory if reads => " (a part of the path is a file)",
         _ if disk_full(e) => {
-            " (tasks recorded so far are safe: free some space, then go on with the same command and --resume; a new run \
-              with --trace none needs least)"
+            " (recorded tasks are kept: free some space, then continue with the same command and --resume; a new run \
+              with --trace none needs the minimum)"
         }
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             " (choose a directory that you may write to with --out)"
         }
-        io::ErrorKind::AlreadyExists => " (a file of that name is in the way: choose another --out)",
+        io::ErrorKind::AlreadyExists => " (a file with that name exists: choose another --out)",
         io::ErrorKind::NotADirectory => " (a part of the path is a file: choose another --out)",
-        io::ErrorKind::NotFound => " (is the path right?)",
+        io::ErrorKind::NotFound => " (check the path)",
         _ => "",
     }
 }

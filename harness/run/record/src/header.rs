@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LogMode, TraceMode, differences, planner_with_params, suite_with_selection};
+use crate::{LogMode, PluginKind, TraceMode, differences, planner_with_params, suite_with_selection};
 
 /// The version of the layout of a run directory, raised with every change that other readers can't read.
 pub const RUN_SCHEMA: u32 = 3;
@@ -15,11 +15,11 @@ pub const RUN_SCHEMA: u32 = 3;
 pub struct SuiteHeader {
     /// The name of the suite.
     pub name: String,
-    /// The hash of the suite's content (hex), which is independent of where the suite lies.
+    /// The hash of the suite's content (hex), which is independent of the suite's location.
     pub hash: String,
-    /// The path at which the suite lay.
+    /// The path of the suite.
     pub path: String,
-    /// The number of the suite's tasks, chosen or not.
+    /// The total number of tasks of the suite.
     pub tasks: u64,
 }
 
@@ -32,15 +32,16 @@ pub struct PluginHeader {
     pub version: String,
     /// The SHA-256 of the plugin file (hex).
     pub sha256: String,
-    /// The kind of the plugin: `wasm`, `native`, `command`, `ros` or `recording`.
-    pub kind: String,
-    /// The path at which the file lay; for a command, the command itself.
+    /// The kind of the planner.
+    pub kind: PluginKind,
+    /// The path of the file; for a command, the command itself.
     pub path: String,
-    /// Whether results of a planner of this kind may be ranked: those of `wasm` and `native` may.
+    /// Whether the planner is a file that decides from observations and that others can run, too: `wasm` and `native`.
+    /// Leaderboards rank `wasm` only.
     pub eligible_for_ranking: bool,
     /// The time between two of the planner's steps, s.
     pub control_period: f64,
-    /// The sensors that the planner got, as its metadata name them, e.g. `lidar 10`.
+    /// The planner's sensors, as named in its metadata, e.g. `lidar 10`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,
     /// The confinement of the planner's process; `None` unless the planner is native.
@@ -55,7 +56,7 @@ pub struct SandboxHeader {
     pub landlock: Option<u32>,
     /// Whether system calls were filtered.
     pub seccomp: bool,
-    /// Whether new privileges were out of reach.
+    /// Whether new privileges were disabled.
     pub no_new_privs: bool,
     /// Whether memory, files, processes and core dumps were limited.
     pub rlimits: bool,
@@ -70,7 +71,7 @@ pub struct DataHeader {
     pub hash: String,
 }
 
-/// The part of the chosen tasks that one of several machines drives.
+/// A part of the selected tasks that one of several machines runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardHeader {
     /// The number of the part, from 1.
@@ -88,30 +89,29 @@ pub struct RulesHeader {
     pub name: String,
     /// The hash of the profile's content (hex).
     pub hash: String,
-    /// The whole profile, so that a result can be understood without the file.
+    /// The complete profile, so that results can be interpreted without the file.
     pub profile: Value,
 }
 
-/// Everything that decides a run's results, and where it came from.
+/// All settings that determine a run's results, and their origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunHeader {
     /// The version of the layout, [`RUN_SCHEMA`].
     pub schema: u32,
     /// The version of the harness.
     pub harness_version: String,
-    /// The Git commit that the harness was built from, with `, modified` behind it if its sources had been changed
-    /// since; `unknown` if it was not built in a checkout. It says where a result is from and is no part of any hash or
-    /// score.
+    /// The Git commit of the harness, followed by `, modified` if its sources had been changed; `unknown` if it was not
+    /// built in a checkout. It is informational and not part of any hash or score.
     pub harness_commit: String,
-    /// The time at which the run was started, RFC 3339 in UTC. It is for people only: nothing depends on it.
+    /// The start time of the run, RFC 3339 in UTC. It is informational.
     pub started_at: String,
     /// The suite.
     pub suite: SuiteHeader,
-    /// The selector that chose the tasks; `None` if all were chosen.
+    /// The selector of the tasks; `None` for all.
     pub selector: Option<String>,
-    /// The number of tasks chosen, in this shard.
+    /// The number of selected tasks in this shard.
     pub tasks: u64,
-    /// Which shard of a larger run this is; `None` for a whole one.
+    /// The shard of a larger run; `None` for a complete run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<ShardHeader>,
     /// The planner.
@@ -130,9 +130,9 @@ pub struct RunHeader {
     pub seed: u64,
     /// The time step of the simulation, s.
     pub time_step: f64,
-    /// The side of the cells in which soil remembers ruts, at scale 1, m.
+    /// The side of the soil's memory cells (ruts), at scale 1, m.
     pub soil_resolution: f64,
-    /// The time between the samples that rules and metrics see, s.
+    /// The sampling period of rules and metrics, s.
     pub sample_period: f64,
     /// The rules.
     pub rules: RulesHeader,
@@ -144,7 +144,7 @@ pub struct RunHeader {
     pub logs: LogMode,
 }
 
-/// Fields of run.json that may differ between a run and its resumption: they decide nothing.
+/// Fields of run.json that may differ between a run and its resumption: they don't affect results.
 const INFORMATION_ONLY: [&str; 7] = [
     "started_at",
     "suite.path",

@@ -18,6 +18,7 @@ mod header;
 mod join;
 mod log_mode;
 mod parquet_io;
+mod plugin_kind;
 mod recording;
 mod sample;
 mod scope;
@@ -36,6 +37,7 @@ pub use header::{
 };
 pub use join::RunJoiner;
 pub use log_mode::LogMode;
+pub use plugin_kind::PluginKind;
 pub use recording::{AppliedCommand, RECORDING_SCHEMA, Recording};
 pub use sample::{Sample, WheelSample};
 pub use scope::{planner_with_params, suite_with_selection};

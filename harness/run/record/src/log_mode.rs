@@ -2,15 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The tasks whose records keep the last lines that the planner logged. The mode says what is written, not what is
-/// driven; but records hold the lines, so a run and those who drive its tasks again must agree on it.
+/// The tasks whose records keep the last lines of the planner's log. The mode doesn't affect the trials; since records
+/// contain the lines, a run and its re-run for verification must use the same mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogMode {
     /// No record keeps its log.
     None,
-    /// The records of tasks that didn't succeed keep their logs, whether the task failed by an error or because the
-    /// vehicle didn't arrive.
+    /// The records of tasks that didn't succeed keep their logs, whatever the reason of the failure.
     #[default]
     Failed,
     /// All records keep their logs.

@@ -94,7 +94,7 @@ pub(crate) struct Table {
 /// Rows that are decoded at a time.
 const PART: usize = 1 << 14;
 
-const HINT: &str = "the file is truncated or not a trace of this harness: run the task again";
+const HINT: &str = "the file is truncated or not a trace of this harness: re-run the task";
 
 /// An error about the content of the file.
 pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
@@ -104,7 +104,7 @@ pub(crate) fn damaged(path: &Path, detail: impl ToString) -> StoreError {
 /// An error about the content of the file, with what to do about it.
 pub(crate) fn damaged_as(path: &Path, detail: impl ToString, hint: &'static str) -> StoreError {
     // Parquet's own messages may span lines; ours never do.
-    let detail = detail.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let detail = vb_files::one_line(&detail.to_string());
     StoreError::Damaged { path: path.to_owned(), detail, hint }
 }
 
@@ -169,7 +169,10 @@ impl Table {
                     continue;
                 }
                 if value.len() > longest {
-                    return Err(fail(format!("a text of {} bytes, at most {longest} are read", value.len())));
+                    return Err(fail(format!(
+                        "a text of {} bytes; at most {longest} are allowed",
+                        value.len()
+                    )));
                 }
                 if texts.len() == most {
                     return Err(fail(format!("more than {most} different texts")));
@@ -219,7 +222,7 @@ impl Table {
             .ok_or_else(|| damaged(path, format!("no column {name:?}")))?;
         let column = schema.column(index);
         if column.physical_type() != want || column.max_def_level() != 0 || column.max_rep_level() != 0 {
-            return Err(damaged(path, format!("column {name:?} is not of required {want}s")));
+            return Err(damaged(path, format!("column {name:?} is not of type required {want}")));
         }
         let fail = |e: ParquetError| damaged(path, format!("column {name:?}: {e}"));
         let mut values = Vec::new();

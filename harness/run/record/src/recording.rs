@@ -16,7 +16,7 @@ use crate::{RunHeader, RunReader, Sample, StoreError, Trace};
 pub const RECORDING_SCHEMA: u32 = 1;
 
 const META_KEY: &str = "vertibench:commands";
-const HINT: &str = "the file is damaged or no recording of this harness: make it again from its run";
+const HINT: &str = "the file is damaged or not a recording of this harness: create it again from its run";
 /// The first bytes of a Parquet file.
 const MAGIC: &[u8; 4] = b"PAR1";
 
@@ -75,19 +75,19 @@ impl Recording {
         let header = reader.header();
         let fail = |detail: String, hint| StoreError::Damaged { path: reader.dir().to_owned(), detail, hint };
         if let Some(shard) = header.shard {
-            let detail = format!("holds shard {} of {} only", shard.index, shard.of);
+            let detail = format!("contains only shard {} of {}", shard.index, shard.of);
             return Err(fail(detail, "join the shards first, with vb-harness merge"));
         }
         let mut all = BTreeMap::new();
         for task in tasks {
             if !reader.has_trace(task)? {
-                let detail = format!("{task} has no trace, which has the commands");
+                let detail = format!("{task} has no trace, which contains the commands");
                 return Err(fail(detail, "run with --trace 10hz or full"));
             }
             let commands = commands(&reader.trace(task)?, header.plugin.control_period);
             let Some(commands) = commands else {
                 let detail = format!(
-                    "{task}: commands were given every {} s, more often than the trace has samples",
+                    "{task}: the command period of {} s is shorter than the sample period of the trace",
                     header.plugin.control_period
                 );
                 return Err(fail(detail, "run with --trace full"));

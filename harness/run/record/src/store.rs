@@ -469,7 +469,7 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T, &[u8])) ->
         let damaged = |detail: String| StoreError::Damaged {
             path: path.to_owned(),
             detail: format!("line {number}: {detail}"),
-            hint: "delete the line to have its task run again by run --resume",
+            hint: "delete the line, then run --resume re-runs its task",
         };
         if line.len() as u64 > LINE {
             return Err(damaged(format!("longer than {LINE} bytes")));
@@ -496,7 +496,7 @@ fn each_task<T: DeserializeOwned>(dir: &Path, mut take: impl FnMut(T, &[u8])) ->
             }
         }
         if seen.contains(&key.task) {
-            return Err(damaged(format!("task {} is there twice", key.task)));
+            return Err(damaged(format!("task {} is a duplicate", key.task)));
         }
         seen.insert(key.task);
         take(record, &line);

@@ -25,11 +25,11 @@ pub enum TraceMode {
     /// No samples are kept. Such a run can't be re-scored.
     #[serde(rename = "none")]
     None,
-    /// Every tenth sample and the last one are kept: enough to look at, and to re-score roughly.
+    /// Every tenth sample and the last one are kept: enough for inspection and approximate re-scoring.
     #[default]
     #[serde(rename = "10hz")]
     TenHz,
-    /// Every sample that the rules see is kept: re-scoring repeats the verdicts exactly.
+    /// Every sample used by the rules is kept: re-scoring reproduces the outcomes exactly.
     #[serde(rename = "full")]
     Full,
 }
@@ -163,7 +163,7 @@ impl Trace {
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreError> {
         let fail = |detail: String| StoreError::Encode { what: "a trace", detail };
         if self.wheel_samples.len() != self.samples.len() * self.wheels {
-            return Err(fail("samples and wheels disagree in number".into()));
+            return Err(fail("the numbers of samples and wheels differ".into()));
         }
         let meta = serde_json::to_string(&self.meta).map_err(|e| fail(e.to_string()))?;
         let mut fields = vec![Vec::with_capacity(self.samples.len()); Sample::FIELDS.len()];
@@ -212,8 +212,7 @@ impl Trace {
         let rows = columns[0].len();
         for (name, values) in Sample::FIELDS.iter().zip(&columns) {
             if let Some(k) = values.iter().position(|v| !PLACES.contains(v)) {
-                let detail =
-                    format!("sample {k}: {name}: {:e} is no value that a vehicle can have", values[k]);
+                let detail = format!("sample {k}: {name}: {:e} is out of range", values[k]);
                 return Err(damaged(path, detail));
             }
         }
@@ -326,9 +325,7 @@ pub(crate) mod tests {
             let e = Trace::read(&path).unwrap_err();
             let text = e.to_string();
             assert!(matches!(e, StoreError::Damaged { .. }), "{text}");
-            assert!(
-                text.contains("t.parquet") && text.contains("run the task again") && !text.contains('\n')
-            );
+            assert!(text.contains("t.parquet") && text.contains("re-run the task") && !text.contains('\n'));
         }
         let missing = dir.path().join("none.parquet");
         assert!(matches!(Trace::read(&missing).unwrap_err(), StoreError::Io { .. }));
@@ -354,7 +351,7 @@ pub(crate) mod tests {
             trace.samples[1].y = value;
             std::fs::write(&path, trace.encode().unwrap()).unwrap();
             let e = Trace::read(&path).unwrap_err().to_string();
-            assert!(e.contains(&format!("sample 1: y: {value:e} is no value")), "{e}");
+            assert!(e.contains(&format!("sample 1: y: {value:e} is out of range")), "{e}");
         }
     }
 

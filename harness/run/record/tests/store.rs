@@ -9,9 +9,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use vb_record::{
-    DataHeader, DebugSeries, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunJoiner, RunReader,
-    RunStore, Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace, TraceMeta, TraceMode,
-    TraceRecorder,
+    DataHeader, DebugSeries, LogMode, PluginHeader, PluginKind, RUN_SCHEMA, RulesHeader, RunHeader,
+    RunJoiner, RunReader, RunStore, Sample, ShardHeader, StoreError, SuiteHeader, TRACE_SCHEMA, Trace,
+    TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_world::TaskId;
 
@@ -45,7 +45,7 @@ fn header() -> RunHeader {
             name: "pid".into(),
             version: "1.0.0".into(),
             sha256: "bb".into(),
-            kind: "wasm".into(),
+            kind: PluginKind::Wasm,
             path: "pid.wasm".into(),
             control_period: 0.1,
             eligible_for_ranking: true,
@@ -200,7 +200,7 @@ fn a_run_that_is_joined_of_others_has_the_bytes_of_one_that_was_driven() {
     // A damaged trace isn't handed on, and nothing is left behind.
     fs::remove_dir_all(&joined).unwrap();
     fs::write(second.join("traces/w1/b.parquet"), "?").unwrap();
-    assert!(join().unwrap_err().to_string().contains("its checksum is another"));
+    assert!(join().unwrap_err().to_string().contains("another checksum"));
     let left: Vec<_> = fs::read_dir(tmp.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left.len(), 3, "{left:?}");
 }
@@ -310,7 +310,7 @@ fn damage_in_the_middle_and_a_task_twice_are_errors_that_name_the_line() {
     assert!(text.contains("tasks.jsonl: line 2:") && !text.contains('\n'), "{text}");
     fs::write(&path, "{\"task\":\"w/a\",\"value\":1}\n{\"task\":\"w/a\",\"value\":2}\n").unwrap();
     let text = resume(tmp.path()).unwrap_err().to_string();
-    assert!(text.contains("line 2: task w/a is there twice"), "{text}");
+    assert!(text.contains("line 2: task w/a is a duplicate"), "{text}");
 }
 
 #[test]

@@ -384,9 +384,7 @@ impl Link {
         self.came += 1;
         if self.came > FLOOD {
             return Err(FaultCause::PeerProtocol {
-                message: format!(
-                    "more than {FLOOD} messages came within one tick, the last of them on {topic}"
-                ),
+                message: format!("more than {FLOOD} messages within one tick, the last on {topic}"),
             });
         }
         self.inbox.push_back(incoming);

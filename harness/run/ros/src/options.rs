@@ -72,7 +72,7 @@ impl Default for Options {
 #[derive(Debug, thiserror::Error)]
 pub enum OptionsError {
     /// The domain has no ports.
-    #[error("domain {0}: there are domains 0 to {LAST_DOMAIN}")]
+    #[error("domain {0}: must lie in 0 to {LAST_DOMAIN}")]
     Domain(u16),
     /// The name or the version can't stand in results.
     #[error(
@@ -82,7 +82,6 @@ pub enum OptionsError {
     /// No interface has the address.
     #[error("interface {address}: no network interface of this machine has this address ({source})")]
     Interface {
-        /// The address.
         address: IpAddr,
         /// The message of the operating system.
         source: std::io::Error,
@@ -96,7 +95,7 @@ pub enum OptionsError {
         period: f64,
     },
     /// Velocities can't be controlled.
-    #[error("sensors {0}: commanded velocities need pose or wheel-odometry, from which the speed is known")]
+    #[error("sensors {0}: velocity commands need pose or wheel-odometry for the speed")]
     Speed(String),
     /// The place on the Earth.
     #[error("datum {latitude},{longitude},{altitude}: want degrees within ±90 and ±180, and metres within ±10000", latitude = .0.latitude, longitude = .0.longitude, altitude = .0.altitude)]
@@ -159,7 +158,7 @@ impl Options {
             name: self.name.clone(),
             version: self.version.clone(),
             authors: Vec::new(),
-            about: "A node of ROS 2".to_owned(),
+            about: "A ROS 2 node".to_owned(),
             control_period: self.control_period,
             params: Vec::new(),
             needs: self.needs.clone(),
@@ -195,7 +194,7 @@ mod tests {
             change(&mut options);
             options.check().unwrap_err().to_string()
         };
-        assert_eq!(said(|o| o.domain = 233), "domain 233: there are domains 0 to 232");
+        assert_eq!(said(|o| o.domain = 233), "domain 233: must lie in 0 to 232");
         assert!(said(|o| o.name = "a b".into()).contains("\"a b\""));
         assert!(said(|o| o.version.clear()).contains("\"\""));
         // Documentation addresses (RFC 5737) are no machine's own.

@@ -81,7 +81,7 @@ impl External for Planner {
         match self.options.pace {
             Pace::Lockstep => Vec::new(),
             Pace::RealTime { deadline } => {
-                vec![format!("real time: commands had to come within {deadline} s of wall-clock time")]
+                vec![format!("real time: the deadline of commands was {deadline} s of wall-clock time")]
             }
         }
     }
@@ -92,7 +92,7 @@ impl Planner {
     fn take(&self) -> Result<Link, FaultCause> {
         let mut shared = lock(&self.link);
         if shared.is_taken {
-            let message = "a node of ROS 2 can drive one task at a time (run with one job)".to_owned();
+            let message = "a ROS 2 node can run one task at a time (run with one job)".to_owned();
             return Err(FaultCause::Worker { message });
         }
         let link = match shared.link.take() {

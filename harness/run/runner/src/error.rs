@@ -22,7 +22,7 @@ pub enum RunError {
     Trial(#[from] TrialError),
     /// The planner wants to be called at a rate that doesn't fit the simulation.
     #[error(
-        "planner {planner} wants a control period of {period} s, which is no multiple of the simulation's step of {step} s"
+        "the control period of planner {planner}, {period} s, is not a multiple of the simulation step of {step} s"
     )]
     ControlPeriod {
         /// The name of the planner.
@@ -37,7 +37,7 @@ pub enum RunError {
     Thread(std::io::Error),
     /// A run that is resumed has a task that is none of those chosen.
     #[error(
-        "cannot resume {}: tasks.jsonl has {task}, which is none of the run's tasks (delete its line, or start a new run with \
+        "cannot resume {}: tasks.jsonl has {task}, which is not a task of the run (delete its line, or start a new run with \
          another --out)",
         .dir.display()
     )]
@@ -49,7 +49,7 @@ pub enum RunError {
     },
     /// A recording is to drive under other settings than those under which it was made.
     #[error(
-        "the recording can't drive this run: {field} is {found}, in the recording {recorded} (choose the settings of the recorded run)"
+        "the recording does not match this run: {field} is {found}, in the recording {recorded} (use the settings of the recorded run)"
     )]
     Recorded {
         /// The field of run.json.
@@ -60,6 +60,6 @@ pub enum RunError {
         found: String,
     },
     /// There are no tasks to run.
-    #[error("no task is chosen")]
+    #[error("no task is selected")]
     NoTasks,
 }

@@ -32,12 +32,12 @@ impl fmt::Display for FailedStart {
         match fault.blame() {
             Blame::Planner => write!(
                 f,
-                "the planner failed alike in all of the first {tasks} tasks before its first command ({fault}), in the first so: \
+                "the planner failed in all of the first {tasks} tasks before its first command ({fault}), in the first with: \
                  {reason}"
             ),
             Blame::Simulation | Blame::Host => write!(
                 f,
-                "the simulation failed in all of the first {tasks} tasks ({fault}), in the first so: {reason}"
+                "the simulation failed in all of the first {tasks} tasks ({fault}), in the first with: {reason}"
             ),
         }
     }
@@ -198,7 +198,7 @@ mod tests {
             watch.ended(place, &record);
         });
         let told = watch.found().map(|found| found.to_string());
-        let wanted = "the simulation failed in all of the first 20 tasks (host/diverged), in the first so: its own words";
+        let wanted = "the simulation failed in all of the first 20 tasks (host/diverged), in the first with: its own words";
         assert_eq!(told.as_deref(), Some(wanted));
         // One task that could be simulated is hope, and so is a planner that fails instead.
         let but_one = |other: fn() -> TaskRecord| {

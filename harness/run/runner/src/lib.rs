@@ -17,5 +17,5 @@ pub use driver::{PluginDriver, wants};
 pub use error::RunError;
 pub use fail_fast::{FAILED_STARTS, FailedStart, HUNG_STARTS};
 pub use merge::{MergeError, Merged, merge, shards_in};
-pub use recording::recorded;
+pub use recording::{recorded, recorded_kind};
 pub use run::{Event, RunConfig, RunReport, check, check_control_period, check_perception, run};

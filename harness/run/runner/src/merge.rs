@@ -14,15 +14,15 @@ pub enum MergeError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// A folder has no shards.
-    #[error("{}: there is no run and no shard of one (give the folder that --out named)", .0.display())]
+    #[error("{}: neither a run nor a shard (give the directory of --out)", .0.display())]
     Nothing(PathBuf),
     /// A run is no shard.
-    #[error("{}: the run is no shard of a larger one (report compares runs that are whole)", .0.display())]
+    #[error("{}: the run is not a shard (report compares complete runs)", .0.display())]
     NoShard(PathBuf),
     /// Two shards are not of one run.
     #[error(
-        "{} and {} are not of one run: {field} differs: {first} and {second} (merge only shards that were driven with the same \
-         command by the same version)",
+        "{} and {} belong to different runs: {field} differs: {first} and {second} (merge only shards of the same \
+         command and version)",
         .paths[0].display(), .paths[1].display()
     )]
     Mixed {
@@ -37,7 +37,7 @@ pub enum MergeError {
     },
     /// The suite is not that of the runs.
     #[error(
-        "suite {suite} is not the one that the shards were driven on: its hash is {found}, theirs {recorded} (give theirs with --suite)"
+        "suite {suite} is not the suite of the shards: its hash is {found}, not {recorded} (give theirs with --suite)"
     )]
     OtherSuite {
         /// The name of the suite.
@@ -60,20 +60,18 @@ pub enum MergeError {
     },
     /// Two shards have different records of a task.
     #[error(
-        "{} and {} have different records of {task}: the same planner must do the same everywhere (find out which machine is wrong: \
-         run the task again, and see check)",
+        "{} and {} have different records of {task}, although results are deterministic (to find the faulty machine: \
+         re-run the task, and see check)",
         .paths[0].display(), .paths[1].display()
     )]
     Conflict {
-        /// The task.
         task: TaskId,
         /// The runs.
         paths: [PathBuf; 2],
     },
     /// A shard has a task that is none of the run's.
-    #[error("{}: tasks.jsonl has {task}, which is none of the run's tasks (delete its line)", .path.display())]
+    #[error("{}: tasks.jsonl has {task}, which is not a task of the run (delete its line)", .path.display())]
     Foreign {
-        /// The task.
         task: TaskId,
         /// The run.
         path: PathBuf,

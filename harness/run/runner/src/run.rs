@@ -20,6 +20,7 @@ use vb_vehicle::Vehicle;
 use vb_world::{Suite, SuiteError, TaskId};
 
 use crate::fail_fast::{FailFast, FailedStart};
+use crate::recording::recorded_kind;
 use crate::{PluginDriver, RunError, recording, wants};
 
 /// The configuration of a run: everything that decides its results, and how it is made.
@@ -39,13 +40,11 @@ pub struct RunConfig {
     pub plugin_path: PathBuf,
     /// The planner's parameters as the user gave them.
     pub params: Vec<(String, String)>,
-    /// The vehicle.
     pub vehicle: Vehicle,
     /// The soils of deformable ground.
     pub soils: Soils,
     /// What the planner is told of the world and of its vehicle, and how wrong that is.
     pub perception: Profile,
-    /// The rules.
     pub rules: Rules,
     /// The time step of the simulation, s. [`SAMPLE_PERIOD`] is a whole number of steps.
     pub time_step: f64,
@@ -314,7 +313,7 @@ fn header(config: &RunConfig, options: SimOptions) -> RunHeader {
             name: metadata.name.clone(),
             version: metadata.version.clone(),
             sha256: config.plugin.sha256().to_owned(),
-            kind: config.plugin.kind().name().to_owned(),
+            kind: recorded_kind(config.plugin.kind()),
             path: config.plugin_path.display().to_string(),
             control_period: metadata.control_period,
             sensors: config.perception.sensors_of(metadata).iter().map(ToString::to_string).collect(),

@@ -1,4 +1,4 @@
-//! The settings of a run that decide with which other runs it can be compared.
+//! The settings of a run that must match for comparisons with other runs.
 
 use std::sync::OnceLock;
 
@@ -6,8 +6,8 @@ use vb_record::{DataHeader, RunHeader};
 
 use crate::Rules;
 
-/// The settings that must be equal where planners are compared. What planners are compared under (their parameters, what they
-/// perceive, the seed) is none of them.
+/// The settings that must be equal where planners are compared. Settings that may differ between compared runs
+/// (parameters, perception, seed) are not included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
     /// The vehicle and the hash of its file.
@@ -20,7 +20,7 @@ pub struct Conditions {
     pub rules: DataHeader,
     /// The soils and the hash of their file.
     pub soils: DataHeader,
-    /// The side of the cells in which soil remembers ruts, at scale 1, m.
+    /// The side of the soil's memory cells (ruts), at scale 1, m.
     pub soil_resolution: f64,
 }
 

@@ -47,7 +47,7 @@ macro_rules! flags {
                 }
             }
 
-            /// Whether it is true of a trial; `None` where that follows from metrics or ride which it lacks.
+            /// Whether it is true for a trial; `None` without the metrics or ride on which it depends.
             #[must_use]
             pub fn of(self, outcome: Outcome, metrics: Option<&Metrics>, ride: Option<&Ride>) -> Option<bool> {
                 let judge: fn(Outcome, Option<&Metrics>, Option<&Ride>) -> Option<bool> = match self {
@@ -60,13 +60,14 @@ macro_rules! flags {
 }
 
 flags! {
-    /// |roll| or |pitch| was above 30° at any sample: the rollover rule of the authors' evaluation scripts, for all trials.
+    /// |roll| or |pitch| exceeded 30° at any sample: the rollover rule of the authors' evaluation scripts, for all
+    /// trials.
     Tilted = "tilted", "tilt > 30°", |_, metrics, _| metrics.map(tilted);
     /// The trial succeeded, the vehicle had landed at the end, and the vertical peak at the seat was at most 2.5 g.
     Strict = "strict", "strict", |outcome, _, ride| strict(outcome, ride);
-    /// The vertical peak at the seat was above 2.5 g, the limit of shock of NRMM.
+    /// The vertical peak at the seat was above 2.5 g, the shock limit of NRMM.
     Shock = "over_2_5_g", "> 2.5 g", |_, _, ride| Some(ride?.seat_peak_z_g > SHOCK_LIMIT_G);
-    /// The mean absorbed power was above 6 W, the limit of ride of NRMM.
+    /// The mean absorbed power was above 6 W, the ride limit of NRMM.
     Power = "over_6_w", "> 6 W", |_, _, ride| Some(ride?.absorbed_power_w > POWER_LIMIT_W);
 }
 
@@ -81,7 +82,7 @@ fn tilted(m: &Metrics) -> bool {
     m.roll_max_deg > TILT_LIMIT_DEG || m.pitch_max_deg > TILT_LIMIT_DEG
 }
 
-/// Whether a trial succeeded by the strict rules. What failed by the rules in force is no success by these either.
+/// Whether a trial succeeded under the strict rules. A failure under the rules in force is a failure under these too.
 fn strict(outcome: Outcome, ride: Option<&Ride>) -> Option<bool> {
     if outcome != Outcome::Success {
         return Some(false);

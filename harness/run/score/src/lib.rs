@@ -1,10 +1,10 @@
 //! Rules, outcomes, metrics and summaries.
 //!
-//! [`Rules`] say what a trial's outcome is; a [`Scorer`] applies them to the samples of one trial as they come, and
-//! measures; a [`Summary`] counts and averages over the [`TaskRecord`]s of a run; [`rescore`] does all of it again
-//! from the traces of a finished run, under other rules if wanted. Everything is a function of the samples alone, in
-//! one pass and a fixed order, so that the same samples give the same bits; only shock and ride ([`Ride`]), which decide
-//! no outcome, are measured at every step of the simulation.
+//! [`Rules`] determine a trial's outcome; a [`Scorer`] applies them to the samples of one trial in order and computes
+//! the metrics; a [`Summary`] aggregates the [`TaskRecord`]s of a run; [`rescore`] repeats this from the traces of a
+//! finished run, optionally under other rules. All results are functions of the samples only, in one pass and a fixed
+//! order, so they are bit-identical for the same samples; only shock and ride ([`Ride`]), which affect no outcome, are
+//! measured at every simulation step.
 
 #![deny(missing_docs)]
 

@@ -21,18 +21,18 @@ measures! {
         /// Variance of |roll|, degrees².
         pub roll_variance_deg2: f64,
         /// Maximum |roll|, degrees.
-        pub roll_max_deg: f64 => column("most") drawn(Pages, "Maximum |roll| of a task", "degrees"),
-        /// Roll at the last sample, degrees, with its sign.
+        pub roll_max_deg: f64 => column("max") drawn(Pages, "Maximum |roll| of a task", "degrees"),
+        /// Signed roll at the last sample, degrees.
         pub roll_end_deg: f64 => signed(),
         /// Mean of |pitch|, degrees.
         pub pitch_mean_deg: f64 => column("|pitch| °") drawn(Papers, "Mean |pitch| of a task", "degrees"),
         /// Variance of |pitch|, degrees².
         pub pitch_variance_deg2: f64,
         /// Maximum |pitch|, degrees.
-        pub pitch_max_deg: f64 => column("most") drawn(Pages, "Maximum |pitch| of a task", "degrees"),
-        /// Length of the reference point's way through space, m: the sum of the distances between samples.
-        pub distance_m: f64 => column("way m") drawn(Pages, "Way travelled", "m"),
-        /// That length over its time, m/s.
+        pub pitch_max_deg: f64 => column("max") drawn(Pages, "Maximum |pitch| of a task", "degrees"),
+        /// Length of the reference point's 3D trajectory, m: the sum of the distances between samples.
+        pub distance_m: f64 => column("distance m") drawn(Pages, "Distance travelled", "m"),
+        /// Mean speed: `distance_m` over the duration, m/s.
         pub speed_mean_m_per_s: f64 => drawn(Papers, "Mean speed", "m/s"),
         /// Maximum speed at a sample, m/s.
         pub speed_max_m_per_s: f64,
@@ -44,16 +44,16 @@ measures! {
         pub steering_effort_s: f64,
         /// Mean of |d(steering command)/dt|, 1/s: the sum of the command's changes over time.
         pub steering_rate_per_s: f64,
-        /// Time under a command for the reverse gear, s.
+        /// Time with the reverse gear commanded, s.
         pub reverse_s: f64,
-        /// Minimum distance from the goal in the plane, m.
+        /// Minimum horizontal distance from the goal, m.
         pub goal_distance_min_m: f64,
-        /// Distance from the goal in the plane at the last sample, m.
+        /// Horizontal distance from the goal at the last sample, m.
         pub goal_distance_end_m: f64
             => column("to goal m") drawn(Failures, "Distance from the goal at the end of failures", "m"),
-        /// Where the reference point was at the last sample, east of the world's middle, m.
+        /// World x coordinate (east) of the reference point at the last sample, m.
         pub end_x_m: f64 => signed(),
-        /// The same to the north, m.
+        /// World y coordinate (north) of the reference point at the last sample, m.
         pub end_y_m: f64 => signed(),
     }
 }
@@ -102,19 +102,19 @@ pooled! {
     /// Figures over the metrics of some tasks; `None` if no task has samples.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub struct Pooled {
-        /// The mean |roll| over all samples of all tasks, as the evaluation scripts of the original have it, degrees.
+        /// The mean |roll| over all samples of all tasks, as in the evaluation scripts of the original, degrees.
         pub roll_mean_deg = over_samples(Metrics::roll, |s| s.mean),
         /// The variance of |roll| over the same samples, degrees².
         pub roll_variance_deg2 = over_samples(Metrics::roll, Running::variance),
-        /// The greatest |roll|, degrees.
+        /// The maximum |roll|, degrees.
         pub roll_max_deg = over_samples(Metrics::roll, |s| s.max),
-        /// The mean over tasks of each task's mean |roll|, degrees: long tasks count no more than short ones.
+        /// The mean over tasks of each task's mean |roll|, degrees: all tasks have the same weight.
         pub roll_task_mean_deg = over_tasks(|m| m.roll_mean_deg),
         /// The mean |pitch| over all samples of all tasks, degrees.
         pub pitch_mean_deg = over_samples(Metrics::pitch, |s| s.mean),
         /// The variance of |pitch| over the same samples, degrees².
         pub pitch_variance_deg2 = over_samples(Metrics::pitch, Running::variance),
-        /// The greatest |pitch|, degrees.
+        /// The maximum |pitch|, degrees.
         pub pitch_max_deg = over_samples(Metrics::pitch, |s| s.max),
         /// The mean over tasks of each task's mean |pitch|, degrees.
         pub pitch_task_mean_deg = over_tasks(|m| m.pitch_mean_deg),

@@ -10,19 +10,19 @@ use serde::{Deserialize, Serialize};
 pub enum Outcome {
     /// The vehicle reached the goal in time.
     Success,
-    /// The trial failed with the vehicle on its side or roof.
+    /// The trial failed and the vehicle was rolled over.
     Rollover,
     /// The vehicle didn't make progress.
     Stuck,
-    /// The time ran out.
+    /// The time limit was reached.
     Timeout,
     /// The vehicle left the world.
     OutOfBounds,
-    /// The planner failed: it crashed, ran out of its budget, or gave a command that is no number.
+    /// The planner failed: it crashed, ran out of its budget, or returned a command that is not a number.
     PlannerError,
     /// The simulation failed.
     SimError,
-    /// The harness or the machine failed: the trial says nothing about the planner and is in no rate.
+    /// The harness or the machine failed: the trial is not evidence about the planner and is not counted in rates.
     HostError,
 }
 
@@ -39,7 +39,7 @@ impl Outcome {
         Self::HostError,
     ];
 
-    /// The place of the outcome in [`Self::ALL`], by which pages choose its colour.
+    /// The index of the outcome in [`Self::ALL`], which determines its colour in HTML pages.
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
@@ -60,9 +60,10 @@ impl Outcome {
         }
     }
 
-    /// The paper's class of a trial with this outcome. The paper's table knows success, rollover and stuck only, which
-    /// sum to 100 %; the other failures are folded in: a vehicle that left the world counts as stuck, and any other
-    /// failed trial as a rollover if the vehicle was rolled over by the rules in force (`rolled_over`), else as stuck.
+    /// The paper's class of a trial with this outcome. The paper's table has only success, rollover and stuck, which
+    /// sum to 100 %; the other failures are assigned to them: a vehicle that left the world counts as stuck, and any
+    /// other failed trial as a rollover if the vehicle was rolled over by the rules in force (`rolled_over`), else as
+    /// stuck.
     #[must_use]
     pub fn three_way(self, rolled_over: bool) -> ThreeWay {
         match self {

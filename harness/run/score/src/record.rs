@@ -11,26 +11,26 @@ use vb_world::{Density, Elevation, TaskId, Terrain};
 use crate::{Cause, Flag, Metrics, Outcome, Ride, TaskScore, ThreeWay};
 
 measures! {
-    /// Resources that a planner used in one task. Fuel is in the host's units (WebAssembly instructions, roughly).
+    /// Resources that a planner used in one task. Fuel is in the host's units (approximately WebAssembly instructions).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     "fuel": pub struct FuelUse {
         /// Fuel in the whole task.
         pub total: u64,
         /// Fuel for start-up and `init`.
         pub init: u64,
-        /// Fuel for the median step.
+        /// Median fuel per step.
         pub p50_step: u64,
-        /// Fuel that 99 % of the steps stay within.
+        /// 99th percentile of the fuel per step.
         pub p99_step: u64 => column("fuel 99 %"),
-        /// Fuel for the most costly step.
+        /// Maximum fuel per step.
         pub max_step: u64,
-        /// `init` as a share of its limit.
-        pub init_share: f64,
-        /// `p99_step` as a share of the limit of a step.
-        pub p99_share: f64,
-        /// `max_step` as a share of the limit of a step.
-        pub max_share: f64,
-        /// The most linear memory, bytes.
+        /// `init` as a fraction of its limit.
+        pub init_fraction: f64,
+        /// `p99_step` as a fraction of the limit of a step.
+        pub p99_fraction: f64,
+        /// `max_step` as a fraction of the limit of a step.
+        pub max_fraction: f64,
+        /// Maximum linear memory, bytes.
         pub memory_bytes: u64,
     }
 }
@@ -54,7 +54,7 @@ fn count<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
 }
 
 impl FuelUse {
-    /// Takes in the use of another task: the fuel of both in total, and otherwise the most of either.
+    /// Adds the use of another task: the sum of the total fuel, and the maximum of all other values.
     pub(crate) fn pool(&mut self, other: &Self) {
         *self = Self {
             total: self.total.saturating_add(other.total),
@@ -62,9 +62,9 @@ impl FuelUse {
             p50_step: self.p50_step.max(other.p50_step),
             p99_step: self.p99_step.max(other.p99_step),
             max_step: self.max_step.max(other.max_step),
-            init_share: self.init_share.max(other.init_share),
-            p99_share: self.p99_share.max(other.p99_share),
-            max_share: self.max_share.max(other.max_share),
+            init_fraction: self.init_fraction.max(other.init_fraction),
+            p99_fraction: self.p99_fraction.max(other.p99_fraction),
+            max_fraction: self.max_fraction.max(other.max_fraction),
             memory_bytes: self.memory_bytes.max(other.memory_bytes),
         };
     }
@@ -86,9 +86,9 @@ impl FuelUse {
             p50_step: percentile(50),
             p99_step,
             max_step,
-            init_share: fraction(init, init_limit),
-            p99_share: fraction(p99_step, step_limit),
-            max_share: fraction(max_step, step_limit),
+            init_fraction: fraction(init, init_limit),
+            p99_fraction: fraction(p99_step, step_limit),
+            max_fraction: fraction(max_step, step_limit),
             memory_bytes,
         }
     }
@@ -114,19 +114,19 @@ pub struct TaskRecord {
     /// Properties of the trial in addition to its outcome ([`TaskRecord::judge`]); unknown ones are left out.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub flags: BTreeMap<Flag, bool>,
-    /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be
-    /// compared with results without them.
+    /// The settings that aren't the benchmark's ([`crate::Conditions::departures`]), as text, e.g. `time step 5 ms`;
+    /// the result is not comparable with results without them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub departures: Vec<String>,
-    /// The reason for the outcome, in words.
+    /// The reason for the outcome, as text.
     pub reason: String,
     /// The cause of a rollover or of getting stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
-    /// The figures that the cause was known by, in words; empty without a cause.
+    /// The measured values on which the cause is based, as text; empty without a cause.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub evidence: String,
-    /// The stable code of what happened, for errors, e.g. `planner/out-of-fuel`.
+    /// The stable code of an error, e.g. `planner/out-of-fuel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<FaultCode>,
     /// The simulated time at the end of the task, s.
@@ -149,21 +149,20 @@ pub struct TaskRecord {
     /// The measures; `None` if the task ended before the first sample.
     #[serde(default, deserialize_with = "Metrics::checked")]
     pub metrics: Option<Metrics>,
-    /// Shock and ride; `None` if the task ended before the first step, or was scored again with another end.
+    /// Shock and ride; `None` if the task ended before the first step, or was re-scored with a different end.
     #[serde(default, deserialize_with = "Ride::checked", skip_serializing_if = "Option::is_none")]
     pub ride: Option<Ride>,
-    /// The last lines that the planner logged, if the run keeps them for such a task; otherwise, or if it logged none,
-    /// the list is empty.
+    /// The last lines of the planner's log, if the run keeps them for such a task; otherwise empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub log: Vec<String>,
-    /// The innermost functions at a trap of the planner, the failing one first.
+    /// The innermost stack frames at a trap of the planner, the failing function first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub backtrace: Vec<String>,
 }
 
 impl TaskRecord {
-    /// The reason with the cause and its evidence, in words: `moved 0.12 m in the last 10 s; high-centred: the hull bears 43 %
-    /// of the weight`.
+    /// The reason with the cause and its evidence:
+    /// `moved 0.12 m in the last 10 s; high-centred: the hull bears 43 % of the weight`.
     #[must_use]
     pub fn explanation(&self) -> String {
         match self.cause {
@@ -173,12 +172,12 @@ impl TaskRecord {
         }
     }
 
-    /// Sets the flags to what outcome, metrics and ride say.
+    /// Sets the flags that follow from outcome, metrics and ride.
     pub fn judge(&mut self) {
         self.flags = self.judged();
     }
 
-    /// The flags that outcome, metrics and ride give.
+    /// The flags that follow from outcome, metrics and ride.
     #[must_use]
     pub fn judged(&self) -> BTreeMap<Flag, bool> {
         let (metrics, ride) = (self.metrics.as_ref(), self.ride.as_ref());
@@ -186,9 +185,9 @@ impl TaskRecord {
         Flag::ALL.into_iter().filter_map(of).collect()
     }
 
-    /// Replaces what the rules decided by another score, as re-scoring does. What was counted over the whole simulation
-    /// (state hash, steps, clamped commands, fuel, log) stays. So does the cause of a failure that is one of the same kind, and
-    /// shock and ride where the trial ends at the same time: a trace doesn't hold what others could be known by.
+    /// Replaces what the rules decided by another score, as re-scoring does. Values over the whole simulation (state
+    /// hash, steps, clamped commands, fuel, log) are kept, as are the cause of a failure of the same class, and shock
+    /// and ride where the trial ends at the same time: traces don't contain the data to determine others.
     pub fn set_score(&mut self, score: TaskScore) {
         let TaskScore { outcome, three_way, reason, time_s, metrics } = score;
         if time_s != self.time_s {
@@ -218,12 +217,24 @@ mod tests {
         let used = FuelUse::new(1000, steps, 4000, 400, 65536);
         assert_eq!((used.p50_step, used.p99_step, used.max_step), (100, 198, 200));
         assert_eq!(
-            (used.total, used.init_share, used.p99_share, used.max_share),
+            (used.total, used.init_fraction, used.p99_fraction, used.max_fraction),
             (1000 + 20_100, 0.25, 0.495, 0.5)
         );
         let none = FuelUse::new(7, Vec::new(), 4000, 400, 0);
         assert_eq!((none.total, none.p50_step, none.max_step), (7, 0, 0));
         assert_eq!(FuelUse::new(0, vec![5], 1, 1, 0).p50_step, 5);
+    }
+
+    #[test]
+    fn names_of_the_release_candidate_are_read_and_those_of_fractions_are_written() {
+        let used = FuelUse::new(1000, vec![200], 4000, 400, 65536);
+        let text = serde_json::to_string(&used).unwrap();
+        assert!(text.contains(r#""init_fraction":0.25,"p99_fraction":0.5,"max_fraction":0.5"#), "{text}");
+        let old = text.replace("_fraction", "_share");
+        assert_eq!(serde_json::from_str::<FuelUse>(&old).unwrap(), used);
+        // More than the limit is no use of a planner: the host ends it.
+        let beyond = FuelUse { max_fraction: 1.5, ..used };
+        assert_eq!(beyond.flaw().unwrap(), "max_fraction: 1.5 must lie in 0 to 1");
     }
 
     /// Whatever number a stranger writes, it is one that a trial can have, or the record is none.

@@ -32,7 +32,7 @@ pub enum RescoreError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The run kept no traces.
-    #[error("run {} has no traces: it was made with --trace none (run it again with --trace full)", .0.display())]
+    #[error("run {} has no traces, because it used --trace none (re-run with --trace full)", .0.display())]
     NoTraces(PathBuf),
 }
 

@@ -1,18 +1,18 @@
-//! Rule profiles: what counts as success, stuck, rolled over. They are data: `tasks/rules/*.yaml`.
+//! Rule profiles: the criteria of success, stuck and rollover, as data: `tasks/rules/*.yaml`.
 
 use serde::{Deserialize, Serialize};
 use vb_files::{Document, Flaw, Schema};
 use vb_record::RunHeader;
 
-/// The speed of the vehicles that the time limit is for, m/s at scale 1: tasks are 120 m long, and the paper's planners take 23 to
-/// 28 s (table I of the paper).
+/// The reference speed of the time limit, m/s at scale 1: tasks are 120 m long, and the paper's planners take 23 to 28
+/// s (table I of the paper).
 const PACE: f64 = 5.0;
 /// The maximum factor on the time limit of a slower vehicle.
 const SLOWEST: f64 = 10.0;
 
 /// A rule profile. Lengths are those of the full-size world and are multiplied by the world's scale when applied; times
-/// and speeds are multiplied by its square root, by which a small vehicle that does all that a large one does, under the
-/// same gravity, is judged as the large one is (Froude's rule). A rule that is left out never ends a trial.
+/// and speeds by its square root, so that dynamically similar motions of vehicles of different sizes get the same
+/// outcome (Froude scaling). An omitted rule never ends a trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
@@ -20,15 +20,15 @@ pub struct Rules {
     pub schema: Schema<1>,
     /// The name of the profile.
     pub name: String,
-    /// A sentence on what the profile stands for.
+    /// A description in one sentence.
     #[serde(default)]
     pub description: String,
-    /// The way in which a trial starts.
+    /// The start of a trial.
     #[serde(default, skip_serializing_if = "StartRule::is_settled")]
     pub start: StartRule,
     /// The condition under which the goal is reached.
     pub success: SuccessRule,
-    /// The time before which a trial must succeed, s; after it, it has failed.
+    /// The time limit of a trial, s.
     pub time_limit_s: f64,
     /// The condition under which the vehicle is stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -44,21 +44,21 @@ pub struct Rules {
     pub overturned: Option<OverturnedRule>,
 }
 
-/// The way in which a trial starts.
+/// The start of a trial.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StartRule {
     /// The clock starts with the vehicle at rest on the ground.
     #[default]
     Settled,
-    /// The clock starts with the vehicle level and at rest in the air, from where it falls under the planner's
+    /// The clock starts with the vehicle level and at rest above the ground; it falls while the planner already gives
     /// commands.
     Dropped {
-        /// The height of the reference point above the ground there, m. It is greater where the vehicle would otherwise
-        /// touch something.
+        /// The height of the reference point above the ground there, m. It is increased where the vehicle would
+        /// otherwise touch something.
         height_m: f64,
         /// The stretch of the raster from which the ground's height is read: the height is that at the start's
-        /// coordinates divided by this number. It is 1 if it is left out.
+        /// coordinates divided by this number.
         #[serde(default = "unstretched", skip_serializing_if = "is_unstretched")]
         raster_stretch: f64,
     },
@@ -83,19 +83,19 @@ impl StartRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SuccessRule {
-    /// The distance in the plane between reference point and goal is less than a radius.
+    /// The horizontal distance between reference point and goal is less than a radius.
     Planar {
         /// The radius, m.
         radius_m: f64,
     },
-    /// The distance in space between reference point and a marker above the goal is less than a radius.
+    /// The 3D distance between the reference point and a marker above the goal is less than a radius.
     Marker {
         /// The radius, m.
         radius_m: f64,
         /// The height of the marker above the ground at the goal, m.
         marker_height_m: f64,
     },
-    /// There is no goal: the vehicle drives about until another rule ends the trial.
+    /// There is no goal: the trial continues until another rule ends it.
     Never,
 }
 
@@ -103,15 +103,14 @@ pub enum SuccessRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StuckRule {
-    /// The vehicle is stuck if its position in space has changed by less than `distance_m` over the last `window_s`
-    /// seconds.
+    /// The vehicle is stuck if its 3D position has changed by less than `distance_m` over the last `window_s` seconds.
     Displacement {
         /// The length of the window, s.
         window_s: f64,
         /// The distance, m.
         distance_m: f64,
     },
-    /// The vehicle is stuck if it has been slower than `speed_m_per_s` for `duration_s` seconds without a break.
+    /// The vehicle is stuck if it has been slower than `speed_m_per_s` continuously for `duration_s` seconds.
     Slow {
         /// The speed, m/s.
         speed_m_per_s: f64,
@@ -124,22 +123,22 @@ pub enum StuckRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RolloverRule {
-    /// The time at which the angles count.
+    /// The time at which the angles are evaluated.
     pub when: RollTime,
-    /// The limit of |roll|, degrees: a greater roll is a rollover.
+    /// The limit of |roll|, degrees; a larger angle is a rollover.
     pub roll_limit_deg: f64,
-    /// The limit of |pitch|, degrees: a greater pitch is a rollover too. If it is left out, the pitch doesn't matter.
+    /// The limit of |pitch|, degrees; a larger angle is a rollover. If omitted, the pitch is ignored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pitch_limit_deg: Option<f64>,
 }
 
-/// The time of a failed trial at which the angles count.
+/// The time of a failed trial at which the angles are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RollTime {
-    /// The angles count at the end of the trial.
+    /// At the end of the trial.
     End,
-    /// The angles count at any time of the trial.
+    /// At any time of the trial.
     AnyTime,
 }
 
@@ -147,7 +146,7 @@ pub enum RollTime {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoundsRule {
-    /// The distance beyond the edge that the reference point may go, m.
+    /// The permitted distance of the reference point beyond the edge, m.
     pub margin_m: f64,
 }
 
@@ -160,7 +159,7 @@ pub struct OverturnedRule {
 }
 
 impl Rules {
-    /// The rules that a run was driven by, as its header has them.
+    /// The rules of a run, from its header.
     ///
     /// # Errors
     /// Returns an error if a field is missing, unknown or invalid.
@@ -191,8 +190,8 @@ impl Rules {
         vb_files::sha256(&canonical)
     }
 
-    /// Whether each trial ends at the same time under both rules, and as a success under both or none: they differ in nothing but the
-    /// rollover rule and what they are called.
+    /// Whether each trial ends at the same time under both rules, and as a success under both or neither: they differ
+    /// only in the rollover rule and their names.
     #[must_use]
     pub fn end_alike(&self, other: &Self) -> bool {
         let named = |rules: &Self| Self {
@@ -205,8 +204,8 @@ impl Rules {
         named(self) == named(other)
     }
 
-    /// The time limit at a scale of the world for a vehicle of a maximum speed (m/s), s. It is for vehicles that can drive
-    /// 5 m/s (scaled); slower ones have more time in proportion, ten times as much at most.
+    /// The time limit at a scale of the world for a vehicle of a maximum speed (m/s), s. It applies to vehicles that
+    /// reach 5 m/s (scaled); slower ones have proportionally more time, at most ten times as much.
     #[must_use]
     pub fn time_limit(&self, scale: f64, max_speed: f64) -> f64 {
         let scaled = scale.sqrt();

@@ -39,8 +39,8 @@ pub struct Summary {
     pub rules: String,
     /// The hash of the content of the rules applied (hex).
     pub rules_hash: String,
-    /// The settings that aren't the benchmark's ([`Conditions::departures`]), in words, e.g. `time step 5 ms`; the result can't be compared
-    /// with results without them.
+    /// The settings that aren't the benchmark's ([`Conditions::departures`]), as text, e.g. `time step 5 ms`; the
+    /// result is not comparable with results without them.
     pub departures: Vec<String>,
     /// The selector that chose the tasks; `None` if all were chosen.
     pub selector: Option<String>,
@@ -48,16 +48,16 @@ pub struct Summary {
     pub suite_tasks: u64,
     /// The number of tasks that were to be run.
     pub planned: u64,
-    /// The tasks whose trace ends before the rules can decide. They are in none of the figures below.
+    /// The tasks whose trace ends before the rules determine an outcome. They are excluded from all figures below.
     pub undecided: Vec<TaskId>,
-    /// The tasks that the harness or the machine failed. They say nothing of the planner and are in none of the figures
-    /// below; `--resume` runs them again.
+    /// The tasks with failures of the harness or the machine. They are excluded from all figures below; `--resume`
+    /// re-runs them.
     pub host_errors: Vec<TaskId>,
     /// The figures over all tasks; `None` if there are none.
     pub all: Option<Group>,
     /// The figures by elevation level.
     pub elevation: BTreeMap<Elevation, Group>,
-    /// The figures by kind of ground.
+    /// The figures by terrain type.
     pub terrain: BTreeMap<Terrain, Group>,
     /// The figures by obstacle density.
     pub density: BTreeMap<Density, Group>,
@@ -71,15 +71,15 @@ pub struct Summary {
 pub struct Group {
     /// The number of tasks, at least 1.
     pub tasks: u64,
-    /// The number of tasks by outcome. Every outcome is there but `host_error`, which isn't counted.
+    /// The number of tasks by outcome, with every outcome except `host_error`, which isn't counted.
     pub outcomes: BTreeMap<Outcome, u64>,
-    /// The number of tasks by the paper's class. Every class is there.
+    /// The number of tasks by the paper's class, with every class.
     pub three_way: BTreeMap<ThreeWay, u64>,
-    /// The number of tasks of which each flag is true. Flags that are known of no task are left out.
+    /// The number of tasks for which each flag is true. Flags without data are omitted.
     pub flags: BTreeMap<Flag, u64>,
-    /// The number of tasks that rolled over or got stuck by cause. Causes without any are left out.
+    /// The number of tasks that rolled over or got stuck by cause. Causes without tasks are omitted.
     pub causes: BTreeMap<Cause, u64>,
-    /// The successes over the tasks. Errors of planner and simulation count as failures: leaving them out would reward
+    /// The successes over the tasks. Errors of planner and simulation count as failures; excluding them would reward
     /// them.
     pub success_rate: f64,
     /// The lower end of the 95 % interval of the rate ([`success_interval`]); `None` for a single world.
@@ -97,8 +97,8 @@ pub struct Group {
     pub ride: BTreeMap<String, f64>,
     /// The number of commands that were clamped.
     pub clamped: u64,
-    /// The resources that the planner used: the `total` fuel of all tasks together, and otherwise the most of any task
-    /// (so `p99_step` is the 99th percentile of the task where that is maximal). It is `None` for native planners.
+    /// The resources that the planner used: for `total` the sum over tasks, otherwise the maximum over tasks
+    /// (`p99_step`: the maximum of the tasks' 99th percentiles). `None` for native planners.
     pub fuel: Option<FuelUse>,
 }
 
@@ -150,7 +150,7 @@ impl Summary {
         self.all.as_ref().map_or(0, |all| all.outcomes.get(&Outcome::SimError).copied().unwrap_or(0))
     }
 
-    /// The number of tasks that are neither done, nor undecided, nor failed by the host.
+    /// The number of tasks that are neither finished, nor undecided, nor failed by the host.
     #[must_use]
     pub fn missing(&self) -> u64 {
         let done = self.all.as_ref().map_or(0, |all| all.tasks)

@@ -67,7 +67,7 @@ impl Summary {
             let percent = |successes: u64| 100.0 * successes as f64 / (tasks + n) as f64;
             let _ = writeln!(
                 out,
-                "{n} undecided, not counted above: their traces end before these rules can decide. Success over all {} \
+                "{n} undecided, not counted above: their traces end before a decision of these rules. Success over all {} \
                  tasks is between {:.1} % and {:.1} %",
                 tasks + n,
                 percent(successes),
@@ -81,26 +81,26 @@ impl Summary {
             let percent = |fraction: f64| 100.0 * fraction;
             let _ = writeln!(
                 out,
-                "at most {} units of fuel for init ({:.3} % of the limit) and {} for a step ({:.3} %; 99 % of steps: {:.3} %); {:.1} \
+                "maximum fuel: {} units for init ({:.3} % of the limit) and {} per step ({:.3} %; 99th percentile: {:.3} %); {:.1} \
                  MiB of memory",
                 used.init,
-                percent(used.init_share),
+                percent(used.init_fraction),
                 used.max_step,
-                percent(used.max_share),
-                percent(used.p99_share),
+                percent(used.max_fraction),
+                percent(used.p99_fraction),
                 used.memory_bytes as f64 / f64::from(1 << 20)
             );
         }
         if !self.host_errors.is_empty() {
             let _ = writeln!(
                 out,
-                "{} failed by the harness or the machine, not counted above (run --resume runs them again): {}",
+                "{} failed because of the harness or the machine, not counted above (run --resume re-runs them): {}",
                 self.host_errors.len(),
                 self.host_errors.join(", ")
             );
         }
         if self.missing() > 0 {
-            let _ = writeln!(out, "{} of {} tasks not run yet", self.missing(), self.planned);
+            let _ = writeln!(out, "{} of {} tasks pending", self.missing(), self.planned);
         }
         out
     }

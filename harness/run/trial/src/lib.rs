@@ -8,6 +8,7 @@
 
 mod brief;
 mod cache;
+pub mod defaults;
 mod driver;
 mod episode;
 mod error;

@@ -60,7 +60,6 @@ pub struct Setting {
     pub vehicle: vb_sdk::Vehicle,
     /// The soils of deformable ground.
     pub soils: SoilSet,
-    /// The rules.
     pub rules: Rules,
     /// The settings by which the simulation is stepped.
     pub options: SimOptions,

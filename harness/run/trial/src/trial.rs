@@ -25,17 +25,14 @@ const LOG_LINES: usize = 20;
 pub struct Trial<'a> {
     /// The world, already scaled, with what stands in it.
     pub surroundings: &'a Surroundings,
-    /// The task.
     pub task: &'a Task,
     /// The data that the planner is told.
     pub brief: &'a vb_sdk::Task,
-    /// The vehicle.
     pub vehicle: &'a VehicleModel,
     /// The soils of deformable ground.
     pub soils: &'a SoilSet,
     /// The settings by which the simulation is stepped.
     pub options: SimOptions,
-    /// The rules.
     pub rules: &'a Rules,
     /// The samples that are kept in the trace.
     pub trace: TraceMode,

@@ -36,17 +36,17 @@ impl Functions {
     /// `entry` is the address of the library's `vb_planner_entry`, and the library stays open.
     pub(crate) unsafe fn of_entry(entry: *const CFunctions) -> Result<Self, String> {
         if entry.is_null() || !entry.is_aligned() {
-            return Err("the address of vb_planner_entry is not one of a struct".into());
+            return Err("vb_planner_entry is not aligned as a struct".into());
         }
         // SAFETY: the three first fields are there in every version; later ones are read when the size covers them.
         let (size, major, minor) = unsafe { ((*entry).size, (*entry).abi_major, (*entry).abi_minor) };
         if (major, minor) != c::ABI {
             let (a, b) = c::ABI;
-            return Err(format!("vb_planner_entry is of version {major}.{minor}, the metadata say {a}.{b}"));
+            return Err(format!("vb_planner_entry has version {major}.{minor}, the metadata {a}.{b}"));
         }
         if size < size_of::<CFunctions>() {
             let wanted = size_of::<CFunctions>();
-            return Err(format!("vb_planner_entry has {size} bytes, the harness wants {wanted}"));
+            return Err(format!("vb_planner_entry has {size} bytes, not {wanted}"));
         }
         // SAFETY: as above, and the size covers all of it.
         let entry = unsafe { &*entry };

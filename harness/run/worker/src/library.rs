@@ -85,7 +85,7 @@ fn unloadable(error: &libloading::Error) -> Failure {
 fn explain(error: &LibraryError) -> Failure {
     let (kind, message) = match error {
         LibraryError::AbiInstability(_) => {
-            (FailureKind::LayoutMismatch, "the types of its root module are others".to_owned())
+            (FailureKind::LayoutMismatch, "its root module has other types".to_owned())
         }
         LibraryError::IncompatibleVersionNumber { expected_version, actual_version, .. } => (
             FailureKind::LayoutMismatch,
@@ -96,8 +96,8 @@ fn explain(error: &LibraryError) -> Failure {
         }
         LibraryError::GetSymbolError { .. } => (
             FailureKind::NotAPlugin,
-            "the library has no planner root module and no vb_planner_entry; planners are exported by \
-             vb_sdk::export_planner!, or by VB_PLANNER_EXPORT of vb_planner.h"
+            "the library has no planner root module and no vb_planner_entry; export planners with \
+             vb_sdk::export_planner!, or VB_PLANNER_EXPORT of vb_planner.h"
                 .to_owned(),
         ),
         other => (FailureKind::Unloadable, other.to_string()),

@@ -212,7 +212,7 @@ impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooLong { bytes, limit } => {
-                write!(f, "a message of {bytes} bytes came; at most {limit} are allowed")
+                write!(f, "a message has {bytes} bytes; at most {limit} are allowed")
             }
             Self::Malformed(text) => write!(f, "{MALFORMED}: {text}"),
         }

@@ -71,7 +71,7 @@ fn run() -> io::Result<()> {
                 planner = None;
                 Reply::Dropped(Empty {})
             }
-            Request::Hello(_) => return Err(io::Error::other("hello came twice")),
+            Request::Hello(_) => return Err(io::Error::other("a second hello")),
             Request::Bye(_) => break,
         };
         channel.write(&reply)?;
@@ -82,11 +82,11 @@ fn run() -> io::Result<()> {
 fn open(greeting: &Greeting) -> Result<(Functions, Introduction), Failure> {
     let unloadable = |message: String| Failure { kind: FailureKind::Unloadable, message };
     let Some(wanted) = &greeting.library else {
-        return Err(unloadable("the harness named no library".into()));
+        return Err(unloadable("the harness gave no library".into()));
     };
     if (greeting.abi.as_str(), greeting.protocol) != (vb_sdk::ABI_VERSION, PROTOCOL) {
         return Err(unloadable(format!(
-            "the worker speaks protocol {PROTOCOL} and ABI {}, the harness {} and {}",
+            "the worker has protocol {PROTOCOL} and ABI {}, the harness {} and {}",
             vb_sdk::ABI_VERSION,
             greeting.protocol,
             greeting.abi
@@ -95,13 +95,13 @@ fn open(greeting: &Greeting) -> Result<(Functions, Introduction), Failure> {
     let path = Path::new(&wanted.path);
     let identity = library::Identity::of(path).map_err(|e| unloadable(format!("can't read it: {e}")))?;
     if identity.sha256 != wanted.sha256 {
-        return Err(unloadable("its file has changed since the harness read it".into()));
+        return Err(unloadable("its file has changed after the harness read it".into()));
     }
     let refused = |e: io::Error| Failure { kind: FailureKind::Sandbox, message: e.to_string() };
     let sandbox = sandbox::confine(path, wanted.memory_bytes).map_err(refused)?;
     let missing = sandbox.missing();
     if wanted.require_sandbox && !missing.is_empty() {
-        let message = format!("this system can't confine it by {}", missing.join(" and "));
+        let message = format!("this system cannot sandbox it with {}", missing.join(" and "));
         return Err(Failure { kind: FailureKind::Sandbox, message });
     }
     let library = library::open(path)?;

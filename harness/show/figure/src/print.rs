@@ -26,11 +26,11 @@ pub enum FigureError {
     )]
     Svg { title: String, reason: String },
     #[error(
-        "figure `{title}` can't be made a PDF: {reason} (this is an error of the harness: please report it)"
+        "figure `{title}` cannot be converted to PDF: {reason} (this is an error of the harness: please report it)"
     )]
     Pdf { title: String, reason: String },
     #[error(
-        "figure `{title}` can't be made a PNG: {reason} (choose a smaller width, or fewer dots per inch)"
+        "figure `{title}` cannot be converted to PNG: {reason} (choose a smaller width, or fewer dots per inch)"
     )]
     Png { title: String, reason: String },
 }

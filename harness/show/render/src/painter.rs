@@ -13,7 +13,8 @@ use crate::texture::Texture;
 use crate::vehicle::Vehicle;
 use crate::{Colour, V3};
 use nalgebra::UnitQuaternion;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
+use vb_files::lock;
 use vb_math::{atan2, hypot};
 use vb_sim::VehicleState;
 use vb_vehicle::VehicleModel;
@@ -188,8 +189,7 @@ impl Painter {
             View::From(sight) => along(&sight, length, samples),
             View::Top { window } => top_down(field, self.range, &state.position, window, samples),
         };
-        let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let triangles = spare().pop().unwrap_or_default();
+        let triangles = lock(&self.spare).pop().unwrap_or_default();
         let mut canvas = Canvas::reusing(triangles, camera);
         let beds = if moment.grains.is_empty() { &[][..] } else { &self.world.beds[..] };
         self.ground.draw(&mut canvas, field, beds);
@@ -234,7 +234,7 @@ impl Painter {
             change: moment.change,
         };
         let picture = look.develop(&canvas, SAMPLES, together);
-        spare().push(canvas.into_triangles());
+        lock(&self.spare).push(canvas.into_triangles());
         Ok(picture)
     }
 }

@@ -11,13 +11,15 @@ use vb_world::TaskId;
 pub enum ReplayError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("run {}: task {task} is not among its {done} finished tasks (name one of tasks.jsonl, e.g. {example})", .dir.display())]
+    #[error("run {}: task {task} is not one of its {done} finished tasks (give a task of tasks.jsonl, e.g. {example})", .dir.display())]
     NoTask { dir: PathBuf, task: TaskId, done: usize, example: String },
-    #[error("run {}: no trace of task {task} (run it again with --trace 10hz or full)", .dir.display())]
+    #[error("run {}: no trace of task {task} (re-run with --trace 10hz or full)", .dir.display())]
     NoTrace { dir: PathBuf, task: TaskId },
-    #[error("runs {} and {} differ in {field}: they can't be shown in one world (replay them one by one)", .first.display(), .second.display())]
+    #[error("runs {} and {} differ in {field}, so they need separate replays (replay them one by one)", .first.display(), .second.display())]
     Differ { first: PathBuf, second: PathBuf, field: &'static str },
-    #[error("there is no task {0} in the suite: it is not that of the run (name the right one with --suite)")]
+    #[error(
+        "the suite contains no task {0}, so it is not the suite of the run (give the right suite with --suite)"
+    )]
     OtherSuite(TaskId),
     #[error("cannot write {}: {detail} (choose another place, or free some space)", .path.display())]
     Mcap { path: PathBuf, detail: String },

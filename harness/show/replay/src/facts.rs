@@ -40,9 +40,10 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64, max_speed: f64) -> Option<S
     };
     match outcome {
         Outcome::Success => match rules.success {
-            SuccessRule::Planar { .. } => {
-                Some(format!("within {} m of the goal, seen from above", short(rules.goal_radius(scale))))
-            }
+            SuccessRule::Planar { .. } => Some(format!(
+                "within {} m of the goal in the horizontal plane",
+                short(rules.goal_radius(scale))
+            )),
             SuccessRule::Marker { marker_height_m, .. } => Some(format!(
                 "within {} m of the point {} m above the goal",
                 short(rules.goal_radius(scale)),
@@ -60,11 +61,11 @@ fn rule(rules: &Rules, outcome: Outcome, scale: f64, max_speed: f64) -> Option<S
         }),
         Outcome::Rollover => rollover(),
         Outcome::Timeout => {
-            Some(format!("the goal not reached within {} s", short(rules.time_limit(scale, max_speed))))
+            Some(format!("goal not reached within {} s", short(rules.time_limit(scale, max_speed))))
         }
         Outcome::OutOfBounds => rules.out_of_bounds.map(|r| match r.margin_m * scale {
-            0.0 => "beyond the edge of the world".to_owned(),
-            margin => format!("more than {} m beyond the edge of the world", short(margin)),
+            0.0 => "outside the world".to_owned(),
+            margin => format!("more than {} m outside the world", short(margin)),
         }),
         Outcome::PlannerError | Outcome::SimError | Outcome::HostError => None,
     }
@@ -77,7 +78,7 @@ pub(crate) fn facts(run: &ReplayRun, scale: f64) -> Vec<(&'static str, String)> 
     if let Some(text) =
         run.rules.as_ref().and_then(|rules| rule(rules, record.outcome, scale, run.vehicle.max_speed))
     {
-        facts.push(("by the rule", text));
+        facts.push(("rule", text));
     }
     facts.push(("reason", record.reason.clone()));
     if let Some(cause) = record.cause {
@@ -114,14 +115,14 @@ mod tests {
         // tasks/rules/paper.yaml: 10 m, 60 s, 1 m in 10 s, 30° at the end, 0 m of margin.
         let paper = built_in("paper");
         let said = |outcome, scale| rule(&paper, outcome, scale, 30.0).unwrap();
-        assert_eq!(said(Outcome::Success, 1.0), "within 10 m of the goal, seen from above");
+        assert_eq!(said(Outcome::Success, 1.0), "within 10 m of the goal in the horizontal plane");
         assert_eq!(said(Outcome::Stuck, 1.0), "moved less than 1 m within 10 s");
-        assert_eq!(said(Outcome::Timeout, 1.0), "the goal not reached within 60 s");
-        assert_eq!(said(Outcome::OutOfBounds, 1.0), "beyond the edge of the world");
+        assert_eq!(said(Outcome::Timeout, 1.0), "goal not reached within 60 s");
+        assert_eq!(said(Outcome::OutOfBounds, 1.0), "outside the world");
         assert_eq!(said(Outcome::Rollover, 1.0), "a failed trial with a roll of more than 30° at its end");
         // Lengths shrink by 4, and times by its root.
         assert_eq!(said(Outcome::Stuck, 0.25), "moved less than 0.25 m within 5 s");
-        assert_eq!(said(Outcome::Timeout, 0.25), "the goal not reached within 30 s");
+        assert_eq!(said(Outcome::Timeout, 0.25), "goal not reached within 30 s");
         assert_eq!(rule(&paper, Outcome::PlannerError, 1.0, 30.0), None, "no rule, but a fault");
         let dev = built_in("dev");
         let text = "a failed trial with a roll of more than 30°, or a pitch of more than 30° at any time";

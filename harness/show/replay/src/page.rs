@@ -53,8 +53,8 @@ pub fn script() -> &'static str {
 pub const SCRIPT_FILE: &str = "replay.js";
 
 /// What a page shows whose script isn't where it should be; the script takes it away.
-const ALONE: &str = "<p id=\"alone\">This page needs the file replay.js, which was written with it and isn't where it was. Copy the \
-                     folder as a whole, or make a page of one file: vb-harness replay RUN --task TASK --out FILE.</p>";
+const ALONE: &str = "<p id=\"alone\">This replay needs the file replay.js from its folder, which is missing. Copy the \
+                     whole folder, or create a replay in one file: vb-harness replay RUN --task TASK --out FILE.</p>";
 
 /// The page. It needs no network. Texts of planners are data for its script, which sets them as text; no other script is run. `links`
 /// lead to other pages. `script_at` is the address of a file with [`script`], relative to the page; without it the page is one file

@@ -277,11 +277,11 @@ fn what_cannot_be_filmed_is_said() {
     let of = |run| Film::new(&replay(vec![run]), style(Camera::Chase)).err().map(|e| e.to_string()).unwrap();
     let mut empty = run("pid", 1.0, Outcome::Stuck);
     empty.motion.frames.clear();
-    assert!(of(empty).contains("run pid: task w001/t00 can't be drawn: its trace has no samples"));
+    assert!(of(empty).contains("run pid: task w001/t00 cannot be rendered: its trace has no samples"));
     let mut other = run("pid", 1.0, Outcome::Stuck);
     other.motion.wheels = 6;
     assert!(of(other).contains("other wheels than the trace"));
     let many = vec![run("pid", 1.0, Outcome::Stuck); 13];
     let error = Film::new(&replay(many), style(Camera::Chase)).err().unwrap();
-    assert_eq!(error.to_string(), "13 runs can't be shown beside each other (name 12 at most)");
+    assert_eq!(error.to_string(), "13 runs are too many for one picture (give at most 12)");
 }

@@ -295,7 +295,7 @@ fn a_page_says_with_what_was_driven_and_by_which_rule_it_ended() {
     let facts = data["runs"][0]["facts"].as_array().unwrap();
     let said = |term: &str| facts.iter().find(|f| f[0] == term).map(|f| f[1].as_str().unwrap());
     assert_eq!(said("outcome"), Some("stuck"));
-    assert_eq!(said("by the rule"), Some("moved less than 1 m within 10 s"));
+    assert_eq!(said("rule"), Some("moved less than 1 m within 10 s"));
     assert_eq!(said("reason"), Some("it sank pid"));
     assert_eq!((said("cause"), said("evidence")), (Some("spinning on soil"), Some("it dug pid")));
     assert_eq!(

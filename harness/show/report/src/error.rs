@@ -9,11 +9,11 @@ use vb_record::StoreError;
 pub enum ReportError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("run {} has no finished task yet (wait for one, or go on with it by run --resume)", .0.display())]
+    #[error("run {} has no finished task (wait for one, or continue it with run --resume)", .0.display())]
     Empty(PathBuf),
     #[error(
-        "runs {} and {} are of different suites, {first_suite} and {second_suite}: their tasks are not the same (report \
-         them one by one)", .first.display(), .second.display()
+        "runs {} and {} are of different suites, {first_suite} and {second_suite}: their tasks differ (create one \
+         report per suite)", .first.display(), .second.display()
     )]
     Suites {
         first: PathBuf,
@@ -25,7 +25,7 @@ pub enum ReportError {
     },
     #[error("run {} is given twice (name each run once)", .0.display())]
     Twice(PathBuf),
-    #[error("no run given (name the directory of one)")]
+    #[error("no run given (name a run directory)")]
     NoRuns,
     #[error("label `{given}`: no run of that name (write RUN=TEXT, where RUN is one of {})", .runs.join(", "))]
     Label { given: String, runs: Vec<String> },

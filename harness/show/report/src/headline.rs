@@ -18,16 +18,16 @@ const LARGE_SUITE: (&str, usize) = ("vb-100", 100);
 const MANY_WORLDS: usize = 50;
 
 impl Report {
-    /// Which planner has the highest success rate, how much more than the best of those that are worse for certain, and over which its lead
-    /// isn't certain, with the cause and the remedy: `tnt has the highest success rate: 65.2 % of 1 000 tasks, 22.7 points more than mppi
-    /// (p < 0.001); its lead over tal is not certain: it may be chance (p = 0.31 after correction for 3 pairs).` Where the
-    /// runs have not all done the same tasks, it says of which tasks a figure is. None if there is but one run. It holds names of
-    /// planners as they are, on one line.
+    /// Returns the planner with the highest success rate, its difference to the best significantly worse planner, and the planners over
+    /// which its lead is not significant, with the reason and the remedy: `tnt has the highest success rate: 65.2 % of 1 000 tasks, 22.7
+    /// points more than mppi (p < 0.001); its lead over tal is not significant: p = 0.31 after correction for 3 pairs.` If the runs
+    /// contain different tasks, it names the tasks of each number. None for a single run. Names of planners are not escaped, and the text
+    /// is one line.
     #[must_use]
     pub fn headline(&self) -> Option<String> {
         if let Some(why) = &self.unranked {
             return Some(format!(
-                "Not ranked: the runs differ in {why}, so their results can't be compared (run all planners with the same settings)."
+                "Not ranked: the runs differ in {why}, so their results are not comparable (run all planners with the same settings)."
             ));
         }
         let (c, ranking) = (self.comparison.as_ref()?, self.ranking()?);
@@ -74,7 +74,7 @@ impl Report {
             let which = if which.is_empty() { which } else { which + " " };
             let _ = write!(s, ", {which}{} points more than {}", number(more, 1), self.names(&[run]));
             if !shares_all(run) {
-                let _ = write!(s, " on the {} that both have done", tasks(common(run)));
+                let _ = write!(s, " on the {} that both have run", tasks(common(run)));
             }
             let _ = write!(s, " ({p})");
         }
@@ -82,7 +82,7 @@ impl Report {
             let joint = if below.is_some() { ";" } else { ", but" };
             let _ = write!(
                 s,
-                "{joint} {its} lead over {} is not certain: {}",
+                "{joint} {its} lead over {} is not significant: {}",
                 self.names(&ties),
                 self.uncertain(c, first, &ties)
             );
@@ -91,15 +91,15 @@ impl Report {
         Some(s)
     }
 
-    /// The tasks of which the rates of runs are that have not all done the same.
+    /// The tasks of the rates, for runs with different tasks.
     fn own_tasks(&self, runs: &[usize]) -> String {
         let numbers: Vec<u64> = runs.iter().map(|run| self.figures[*run].all.tasks).collect();
         let who = if runs.len() == 1 { "it" } else { "each" };
         match numbers.iter().all(|n| *n == numbers[0]) {
-            true => format!("the {} that {who} has done", tasks(numbers[0])),
+            true => format!("the {} that {who} has run", tasks(numbers[0])),
             false => {
                 let numbers = numbers.iter().take(NAMES).map(|n| grouped(*n)).collect();
-                format!("the tasks that each has done ({})", listed(numbers, runs.len()))
+                format!("the tasks that each has run ({})", listed(numbers, runs.len()))
             }
         }
     }
@@ -139,14 +139,14 @@ fn range(numbers: impl Iterator<Item = usize> + Clone) -> String {
 }
 
 impl Report {
-    /// Why the lead over some runs isn't certain: too few worlds, and which suite has more; or chance.
+    /// The reason why the lead over some runs is not significant: too few worlds, with a larger suite; or the p-value.
     fn uncertain(&self, c: &Comparison, first: usize, ties: &[usize]) -> String {
         let found: Vec<(usize, Difference)> =
             ties.iter().filter_map(|run| Some((*run, c.between(first, *run, Measure::Success)?))).collect();
         let found: Vec<(usize, Difference)> =
             found.into_iter().filter(|(_, d)| d.verdict.is_some()).collect();
         if found.is_empty() {
-            return "they have no common tasks".to_owned();
+            return "no common tasks".to_owned();
         }
         let pairs = c.pairs.iter().filter(|p| p.common > 0).count();
         let corrected =
@@ -154,7 +154,7 @@ impl Report {
         let p = found.iter().filter_map(|(_, d)| d.adjusted).fold(1.0, f64::min);
         let p = match found.len() {
             1 => format!("{}{corrected}", told_p(p)),
-            _ => format!("p of {} and more{corrected}", p_value(p)),
+            _ => format!("p ≥ {}{corrected}", p_value(p)),
         };
         let needed = found.iter().filter_map(|(_, d)| match d.verdict {
             Some(Verdict::TooFewWorlds { needed }) => Some(needed),
@@ -163,13 +163,13 @@ impl Report {
         let needed = needed.max();
         let worlds = found.iter().map(|(run, _)| common_worlds(&self.runs, first, *run)).min().unwrap_or(0);
         if needed.is_none() && worlds >= MANY_WORLDS {
-            return format!("it may be chance ({p})");
+            return p;
         }
         let are = if worlds == 1 { "world is" } else { "worlds are" };
         let differ = range(found.iter().map(|(_, d)| d.worlds));
         let why = match needed {
             Some(needed) => {
-                format!("{differ} {}, {needed} must", if differ == "1" { "differs" } else { "differ" })
+                format!("{differ} {}, {needed} needed", if differ == "1" { "differs" } else { "differ" })
             }
             None => p,
         };

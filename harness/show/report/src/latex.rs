@@ -125,7 +125,7 @@ impl Report {
         let mut s = self.latex_notes(&[
             "In brackets: 95 % intervals, bias-corrected and accelerated bootstrap over worlds.",
             "Time: of successful tasks; angles: over all samples of all tasks.",
-            "Rollover: outcome by the rules of the run; tilt: of all tasks, |roll| or |pitch| at any time; strict: docs/scoring.md.",
+            "Rollover: outcome according to the rules of the run; tilt: maximum |roll| or |pitch| in all tasks; strict: docs/scoring.md.",
         ]);
         let rows: Vec<(usize, Option<String>)> = match self.ranking() {
             Some(r) => r.places.iter().map(|p| (p.run, Some(p.told().replace('–', "--")))).collect(),
@@ -134,8 +134,8 @@ impl Report {
         let ranked = self.ranking().is_some();
         if ranked {
             s.push_str(
-                "% Rank: one more than the number of planners that succeed in more tasks for certain; a range has the possible ranks.\n\
-                 % Bold: the best, and better than each other for certain (sign-flip test over worlds, Holm's correction, 5 %).\n",
+                "% Rank: 1 + number of planners with a significantly higher success rate; a range contains the possible ranks.\n\
+                 % Bold: best, and significantly better than each other planner (sign-flip test over worlds, Holm's correction, 5 %).\n",
             );
         }
         let (columns, first) = if ranked { ("rl", "rank & planner") } else { ("l", "planner") };
@@ -169,9 +169,9 @@ impl Report {
     fn latex_comparison(&self) -> Option<String> {
         let (c, ranking) = self.comparison.as_ref().zip(self.order.as_ref())?;
         let mut s = self.latex_notes(&[
-            "Differences X - Y on the tasks that both have done; of time where both succeed. In brackets: 95 % intervals, bootstrap",
-            "over worlds. p: sign-flip test over worlds with Holm's correction over all pairs, for each measure by itself.",
-            "Bold: certain at 5 %. Better is more success, less time and less tilt; the word is about X.",
+            "Differences X - Y on common tasks; of time, on tasks that both complete. In brackets: 95 % intervals, bootstrap",
+            "over worlds. p: sign-flip test over worlds with Holm's correction over all pairs, separately for each measure.",
+            "Bold: significant at 5 %. Better: more success, less time, less tilt; the verdict is for X.",
         ]);
         s.push_str(
             "\\begin{tabular}{@{}llrrrl@{}}\n\\toprule\nX $-$ Y & measure & difference & 95\\,\\% interval & $p$ & X is \\\\\n",
@@ -219,13 +219,8 @@ impl Report {
         if failures.is_empty() {
             return None;
         }
-        let mut s = self
-            .latex_notes(&["Number of tasks that failed so, and their share of all tasks of the column."]);
-        let _ = write!(
-            s,
-            "\\begin{{tabular}}{{@{{}}l{}@{{}}}}\n\\toprule\nwhat stopped it",
-            "r".repeat(groups.len())
-        );
+        let mut s = self.latex_notes(&["Number of tasks, and percentage of all tasks of the column."]);
+        let _ = write!(s, "\\begin{{tabular}}{{@{{}}l{}@{{}}}}\n\\toprule\ncause", "r".repeat(groups.len()));
         for g in &groups {
             let split = g.split.map_or_else(String::new, |split| format!("{}: ", split.name()));
             let _ = write!(s, " & {}", text(&(split + &g.name)));

@@ -70,7 +70,7 @@ impl Report {
                 percent(Outcome::Stuck),
             );
         }
-        s.push_str("\nDifferences are from the planner's first perception profile, paired by tasks.\n");
+        s.push_str("\nDifferences to the planner's first perception profile, paired by task.\n");
     }
 
     /// The results, and the comparison if there is one, as GitHub-flavoured Markdown.
@@ -85,7 +85,7 @@ impl Report {
         for run in self.runs.runs.iter().filter(|r| r.missing() > 0) {
             let _ = writeln!(
                 s,
-                "\n{}: {} of {} tasks are not done yet.",
+                "\n{}: {} of {} tasks are pending.",
                 text(&run.label),
                 run.missing(),
                 run.header.tasks
@@ -111,7 +111,7 @@ impl Report {
         }
         let labels: Vec<String> = self.runs.runs.iter().map(|r| text(&r.label)).collect();
         let line = vec!["--:"; labels.len()].join("|");
-        let _ = write!(s, "\n| tasks that ended | {} |\n|:--|{line}|\n", labels.join(" | "));
+        let _ = write!(s, "\n| cause of failure | {} |\n|:--|{line}|\n", labels.join(" | "));
         for failure in found {
             let counts: Vec<String> =
                 self.figures.iter().map(|f| failure.count(&f.all).to_string()).collect();
@@ -160,7 +160,7 @@ impl Report {
         }
         if ranked {
             s.push_str(
-                "\nRank: one more than the number of planners that succeed more for certain; \"1–3\" has the ranks that are possible.\n",
+                "\nRank: 1 + number of planners with a significantly higher success rate; \"1–3\": possible ranks.\n",
             );
         }
     }
@@ -186,7 +186,7 @@ impl Report {
             }
             s.push('\n');
         }
-        s.push_str("\nBold: certain, as one of all pairs.\n");
+        s.push_str("\nBold: significant after correction over all pairs.\n");
     }
 
     /// A line for each pair: the differences with what is said of them.
@@ -215,8 +215,8 @@ impl Report {
             s.push_str(" |\n");
         }
         s.push_str(
-            "\nPaired, on common tasks. p: of the sign-flip test over worlds, after Holm's correction over all pairs for each measure by \
-             itself. Better is more success, less time, less tilt; the word is about X.\n",
+            "\nPaired, on common tasks. p: sign-flip test over worlds, after Holm's correction over all pairs, separately for each measure. \
+             Better: more success, less time, less tilt; the verdict is for X.\n",
         );
     }
 }

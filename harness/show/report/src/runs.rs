@@ -241,10 +241,10 @@ impl Runs {
                 return Err(ReportError::Label { given: given.clone(), runs });
             };
             if label.is_empty() {
-                return Err(taken("it has no text (write RUN=TEXT)".into()));
+                return Err(taken("its text is empty (write RUN=TEXT)".into()));
             }
             if let Some(other) = named.insert(run, label) {
-                return Err(taken(format!("the run is called `{other}` already (name it once)")));
+                return Err(taken(format!("the run already has the label `{other}` (label it once)")));
             }
         }
         for (run, label) in &named {
@@ -253,7 +253,7 @@ impl Runs {
         for run in named.keys() {
             let label = &self.runs[*run].label;
             if let Some(other) = self.runs.iter().enumerate().find(|(k, r)| k != run && r.label == *label) {
-                let reason = format!("{} is called so too (choose another text)", other.1.dir.display());
+                let reason = format!("{} has the same label (choose another text)", other.1.dir.display());
                 return Err(ReportError::LabelTaken { given: label.clone(), reason });
             }
         }
@@ -332,7 +332,7 @@ impl Runs {
 pub(crate) fn settings(h: &RunHeader) -> BTreeMap<String, String> {
     let mut s: BTreeMap<String, String> = h.params.clone();
     s.insert("version".into(), h.plugin.version.clone());
-    s.insert("kind".into(), h.plugin.kind.clone());
+    s.insert("kind".into(), h.plugin.kind.to_string());
     s.extend(environment(h).into_iter().map(|(k, v)| (k.to_owned(), v)));
     s
 }

@@ -146,11 +146,11 @@ impl Sweep {
         let seeds = match seeds {
             0 | 1 => String::new(),
             n => format!(
-                " Tasks of all {n} seeds are together; in parentheses the least and the greatest success of a seed."
+                " Tasks of all {n} seeds are pooled; in parentheses the minimum and maximum success of a seed."
             ),
         };
         format!(
-            "Success in percent of the tasks, by vehicle and perception profile. In brackets 95 % intervals, bootstrap over worlds.{seeds}"
+            "Success, % of tasks, by vehicle and perception profile. In brackets: 95 % intervals, bootstrap over worlds.{seeds}"
         )
     }
 
@@ -292,7 +292,7 @@ impl Sweep {
         }
         let _ = write!(
             s,
-            "</tbody></table></div><p class=\"about\">{} A click on a column's head sorts by it.</p>",
+            "</tbody></table></div><p class=\"about\">{} Click a column header to sort.</p>",
             escape(&self.about())
         );
     }

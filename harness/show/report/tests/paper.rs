@@ -242,9 +242,9 @@ fn runs_are_called_as_the_user_calls_them() {
     assert!(matches!(label(&["nobody=x"]), Err(ReportError::Label { .. })));
     assert!(message(&["nobody=x"]).contains("planner-2"), "the runs that there are");
     assert!(message(&["planner-0"]).contains("RUN=TEXT"));
-    assert!(message(&["planner-0="]).contains("no text"));
-    assert!(message(&["planner-0=x", "planner-0=y"]).contains("called `x` already"));
-    assert!(message(&["planner-0=planner-1"]).contains("is called so too"));
+    assert!(message(&["planner-0="]).contains("text is empty"));
+    assert!(message(&["planner-0=x", "planner-0=y"]).contains("already has the label `x`"));
+    assert!(message(&["planner-0=planner-1"]).contains("has the same label"));
 }
 
 #[test]

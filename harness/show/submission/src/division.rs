@@ -1,26 +1,26 @@
-//! Which results are ranked, and why others aren't.
+//! The divisions of results, and the reasons for the open one.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use vb_host::{Limits, PluginKind};
-use vb_record::RunHeader;
+use vb_host::Limits;
+use vb_record::{PluginKind, RunHeader};
 use vb_score::Rules;
 use vb_sense::Profile;
 use vb_sense::profile::ORACLE;
 
-/// The list in which results appear.
+/// The list of the leaderboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Division {
-    /// The list of WASM planners as they are, under the benchmark's own conditions: every result can be repeated bit
-    /// for bit by everybody, and all had the same means.
+    /// WASM planners under the benchmark's conditions: every result is bit-for-bit reproducible, and all planners have
+    /// the same resources.
     Ranked,
-    /// The list of planners that meet the same conditions, but under the perception profile `onboard`.
+    /// The same conditions, but with the perception profile `onboard`.
     Onboard,
-    /// The list of planners that meet the same conditions, but under the perception profile `degraded`.
+    /// The same conditions, but with the perception profile `degraded`.
     Degraded,
-    /// The list of all other results.
+    /// All other results.
     Open,
 }
 
@@ -50,13 +50,13 @@ impl Division {
     }
 }
 
-/// A condition of all divisions but the open one that a run doesn't meet.
+/// A condition that a run doesn't meet and that is required in all divisions except the open one.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OpenReason {
     /// The field of the run, e.g. `limits.fuel_per_step`.
     pub field: String,
-    /// A text on what the field is, and what it would have to be.
+    /// The field's value and the required value, as text.
     pub text: String,
 }
 
@@ -98,7 +98,7 @@ const SEED: u64 = 0;
 /// faster ones. Only `pid-release` acts more often, every 5 ms as the released code does; it is there to be compared.
 const LEAST_CONTROL_PERIOD: f64 = 0.02;
 
-/// The conditions of all divisions but the open one that a run doesn't meet.
+/// The conditions that a run doesn't meet and that are required in all divisions except the open one.
 pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason> {
     let mut reasons = Vec::new();
     let mut unless = |good: bool, field: &str, text: String| {
@@ -108,9 +108,9 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     };
     let short = |hash: &str| vb_report::one_line(hash.get(..12).unwrap_or(hash), 12);
     unless(
-        run.plugin.kind == PluginKind::Wasm.name(),
+        run.plugin.kind == PluginKind::Wasm,
         "plugin.kind",
-        format!("{}: only WASM is metered and repeats bit for bit everywhere", run.plugin.kind),
+        format!("{}: only WASM is metered and bit-identical on all machines", run.plugin.kind),
     );
     unless(
         run.plugin.control_period >= LEAST_CONTROL_PERIOD,
@@ -141,7 +141,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         suite.is_some(),
         "suite",
-        format!("{} ({}) is none that comes with the harness", run.suite.name, short(&run.suite.hash)),
+        format!("{} ({}) is not included with the harness", run.suite.name, short(&run.suite.hash)),
     );
     unless(
         run.selector.is_none() && suite.is_none_or(|s| s.tasks == run.tasks),
@@ -152,10 +152,10 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         vehicle.is_some(),
         "vehicle",
-        format!("{} ({}) is none that comes with the harness", run.vehicle.name, short(&run.vehicle.hash)),
+        format!("{} ({}) is not included with the harness", run.vehicle.name, short(&run.vehicle.hash)),
     );
     let scale = vehicle.map_or(run.scale, |v| v.scale);
-    unless(run.scale == scale, "scale", format!("{}, not {scale}, for which the vehicle is made", run.scale));
+    unless(run.scale == scale, "scale", format!("{}, not {scale}, the scale of the vehicle", run.scale));
     unless(
         run.soils.hash == shipped.soils,
         "soils",
@@ -166,7 +166,7 @@ pub(crate) fn open_reasons(run: &RunHeader, shipped: &Shipped) -> Vec<OpenReason
     unless(
         shipped.is_some_and(|p| p.sha256() == perception.hash),
         "perception",
-        format!("{} ({}) is none that comes with the harness", perception.name, short(&perception.hash)),
+        format!("{} ({}) is not included with the harness", perception.name, short(&perception.hash)),
     );
     unless(run.time_step == TIME_STEP, "time_step", format!("{} s, not {TIME_STEP} s", run.time_step));
     unless(

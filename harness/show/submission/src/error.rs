@@ -13,7 +13,7 @@ use vb_world::TaskId;
 /// error but a [`Finding`](crate::Finding). Each message is one line: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SubmissionError {
-    #[error("cannot read {}: {source} (is the path right?)", .path.display())]
+    #[error("cannot read {}: {source} (check the path)", .path.display())]
     Read { path: PathBuf, source: io::Error },
     #[error("cannot write {}: {source} (choose another place, or free some space)", .path.display())]
     Write { path: PathBuf, source: io::Error },
@@ -21,7 +21,7 @@ pub enum SubmissionError {
     Shard { path: PathBuf, index: u32, of: u32 },
     #[error("output directory {} is not empty (choose another with --out)", .0.display())]
     NotEmpty(PathBuf),
-    #[error("{}: {what} beyond {limit} (no submission that this harness makes is so large)", .path.display())]
+    #[error("{}: {what} exceeds {limit} (submissions of this harness are smaller)", .path.display())]
     TooLarge {
         path: PathBuf,
         /// The thing that is too large, e.g. `a file of more bytes`.
@@ -29,19 +29,19 @@ pub enum SubmissionError {
         limit: u64,
     },
     /// Something lies in a submission that may not: a link, a name that isn't plain.
-    #[error("{}: {what} (a submission holds the files that `submit` writes and nothing else)", .path.display())]
+    #[error("{}: {what} (a submission contains only the files that `submit` writes)", .path.display())]
     Unsafe { path: PathBuf, what: &'static str },
-    #[error("{} holds no submission: submission.json is missing (give the directory that `submit --out` named)", .0.display())]
+    #[error("{} is not a submission: submission.json is missing (give the directory of `submit --out`)", .0.display())]
     NoSubmission(PathBuf),
-    #[error("{}: schema {found} is not supported, this version reads up to {supported} (use the version that wrote it)", .path.display())]
+    #[error("{}: schema {found} is not supported; this version reads up to {supported} (use the version that wrote it)", .path.display())]
     Schema { path: PathBuf, found: u64, supported: u32 },
-    #[error("{}: {detail} (take the file as `vb-harness` wrote it)", .path.display())]
+    #[error("{}: {detail} (use the unmodified file from `vb-harness`)", .path.display())]
     Damaged { path: PathBuf, detail: String },
-    #[error("{} was made by version {made} of the harness, this is {this} (use version {made}, or run it again with this one)", .path.display())]
+    #[error("{} was created with version {made} of the harness; this is {this} (use version {made}, or re-run with this version)", .path.display())]
     Version { path: PathBuf, made: String, this: String },
-    #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed by the machine (go on with it by run --resume)", .path.display())]
+    #[error("run {} is not finished: {missing} of {tasks} tasks are missing or failed because of the machine (continue with run --resume)", .path.display())]
     Unfinished { path: PathBuf, missing: u64, tasks: u64 },
-    #[error("run {}: its {what} is {recorded}, this one is {found} (name the one of the run)", .path.display())]
+    #[error("run {}: its {what} is {recorded}, not {found} (give the {what} of the run)", .path.display())]
     Other {
         path: PathBuf,
         /// The thing that differs, e.g. `plugin`.
@@ -50,7 +50,7 @@ pub enum SubmissionError {
         found: String,
     },
     #[error(
-        "a command or a ROS 2 node can't be submitted: nobody else has what it is (build the planner as WASM, or submit the \
+        "a command or a ROS 2 node can't be submitted, because it cannot be re-run elsewhere (build the planner as WASM, or submit the \
          recorded commands of its run: vb-harness commands RUN --out FILE)"
     )]
     NoFile,
@@ -59,11 +59,9 @@ pub enum SubmissionError {
     #[error("--replays: {task}: {problem}")]
     Replay { task: TaskId, problem: String },
     /// The machine failed while tasks were driven again: nothing is known of the submission.
-    #[error(
-        "the machine failed {failed} of the tasks that were driven again, {example} for one (verify it again)"
-    )]
+    #[error("{failed} of the re-run tasks failed because of the machine, e.g. {example} (verify again)")]
     Machine { failed: usize, example: TaskId },
-    #[error("stopped before all tasks were driven again (verify it again)")]
+    #[error("stopped before all tasks were re-run (verify again)")]
     Interrupted,
     #[error("entry {}: {problem}", .dir.display())]
     Entry { dir: PathBuf, problem: String },

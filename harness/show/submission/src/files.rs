@@ -105,27 +105,27 @@ pub(crate) fn list(dir: &Path) -> Result<BTreeMap<String, u64>, SubmissionError>
             let refuse = |what| Err(SubmissionError::Unsafe { path: path.clone(), what });
             let name = entry.file_name();
             let Some(name) = name.to_str().filter(|n| is_plain(n)) else {
-                return refuse("a name that is not of letters, digits, '-', '_' and '.'");
+                return refuse("its name contains characters other than letters, digits, '-', '_' and '.'");
             };
             // Of the entry itself: a link is not followed.
             let meta = fs::symlink_metadata(&path).map_err(SubmissionError::read(&path))?;
             let full = format!("{prefix}{name}");
             if meta.is_dir() {
                 if depth == DEPTH {
-                    return refuse("a folder too deep");
+                    return refuse("the folder is nested too deeply");
                 }
                 open.push((path, format!("{full}/"), depth + 1));
             } else if !meta.is_file() {
-                return refuse("neither a file nor a folder");
+                return refuse("it is neither a file nor a folder");
             } else if meta.len() > FILE {
-                return Err(SubmissionError::TooLarge { path, what: "a file of bytes", limit: FILE });
+                return Err(SubmissionError::TooLarge { path, what: "the size in bytes", limit: FILE });
             } else {
                 found.insert(full, meta.len());
             }
             if found.len() + open.len() > FILES {
                 return Err(SubmissionError::TooLarge {
                     path: dir.to_owned(),
-                    what: "a number of files",
+                    what: "the number of files",
                     limit: FILES as u64,
                 });
             }
@@ -144,10 +144,13 @@ pub(crate) fn is_plain(name: &str) -> bool {
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, SubmissionError> {
     let meta = fs::symlink_metadata(path).map_err(SubmissionError::read(path))?;
     if !meta.is_file() {
-        return Err(SubmissionError::Unsafe { path: path.to_owned(), what: "neither a file nor a folder" });
+        return Err(SubmissionError::Unsafe {
+            path: path.to_owned(),
+            what: "it is neither a file nor a folder",
+        });
     }
     if meta.len() > limit {
-        return Err(SubmissionError::TooLarge { path: path.to_owned(), what: "a file of bytes", limit });
+        return Err(SubmissionError::TooLarge { path: path.to_owned(), what: "the size in bytes", limit });
     }
     vb_files::read(path, limit).map_err(SubmissionError::read(path))
 }
@@ -230,7 +233,7 @@ pub(crate) fn each_line(
         if line.len() as u64 > LINE {
             return Err(SubmissionError::TooLarge {
                 path: path.to_owned(),
-                what: "a line of bytes",
+                what: "the length of a line in bytes",
                 limit: LINE,
             });
         }
@@ -256,7 +259,7 @@ mod tests {
         // A file without content on disk: 1 GiB of zeros and no end of a line.
         File::create(&path).unwrap().set_len(1 << 30).unwrap();
         let e = each_line(&path, |_, _, _| Ok(ControlFlow::Continue(()))).unwrap_err().to_string();
-        assert!(e.contains("a line of bytes beyond 1048576"), "{e}");
+        assert!(e.contains("the length of a line in bytes exceeds 1048576"), "{e}");
     }
 
     #[test]
@@ -270,7 +273,7 @@ mod tests {
             let link = dir.path().join("run/tasks.jsonl");
             std::os::unix::fs::symlink("/etc/passwd", &link).unwrap();
             let e = list(dir.path()).unwrap_err().to_string();
-            assert!(e.contains("tasks.jsonl: neither a file nor a folder"), "{e}");
+            assert!(e.contains("tasks.jsonl: it is neither a file nor a folder"), "{e}");
             assert!(read(&link, 1 << 20).is_err(), "a link is not followed");
             fs::remove_file(link).unwrap();
         }
@@ -280,7 +283,7 @@ mod tests {
         for k in 0..FILES {
             fs::write(dir.path().join(k.to_string()), "").unwrap();
         }
-        assert!(list(dir.path()).unwrap_err().to_string().contains("a number of files beyond 200"));
+        assert!(list(dir.path()).unwrap_err().to_string().contains("the number of files exceeds 200"));
     }
 
     #[test]
@@ -303,7 +306,7 @@ mod tests {
         let path = dir.path().join("a.json");
         fs::write(&path, "{\"schema\": 3, \"unknown\": 1}").unwrap();
         let e = read_json::<serde_json::Value>(&path, SMALL, 2, |_| Ok(())).unwrap_err().to_string();
-        assert!(e.contains("schema 3 is not supported, this version reads up to 2"), "{e}");
+        assert!(e.contains("schema 3 is not supported; this version reads up to 2"), "{e}");
         assert!(
             read_json::<serde_json::Value>(&path, 10, 3, |_| Ok(()))
                 .unwrap_err()

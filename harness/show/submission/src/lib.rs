@@ -28,4 +28,4 @@ pub use make::{Request, check_replays, make};
 pub use manifest::{Entrant, Manifest, SUBMISSION_SCHEMA, TaskEntry};
 pub use rerun::{Sampling, verify};
 pub use scores::{SCORES_SCHEMA, Scores};
-pub use verdict::{Finding, SampleTaken, VERIFICATION_SCHEMA, Verification};
+pub use verdict::{Check, Finding, SampleTaken, VERIFICATION_SCHEMA, Verification};

@@ -5,9 +5,10 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-use vb_host::{Plugin, PluginKind};
-use vb_record::{RUN_SCHEMA, RunHeader, RunReader, ShardHeader, TraceMode};
+use vb_host::Plugin;
+use vb_record::{PluginKind, RUN_SCHEMA, RunHeader, RunReader, ShardHeader, TraceMode};
 use vb_report::{Beside, Report, Runs};
+use vb_runner::recorded_kind;
 use vb_score::{Outcome, Rules, Summary, TaskRecord};
 use vb_world::{Suite, TaskId};
 
@@ -90,8 +91,8 @@ pub fn make(run: &Path, out: &Path, request: &Request<'_>) -> Result<Manifest, S
 
 /// Whether a run is one of this harness, plugin and suite.
 fn fits(run: &Path, header: &RunHeader, request: &Request<'_>) -> Result<(), SubmissionError> {
-    let fileless = [PluginKind::Command, PluginKind::Ros];
-    if fileless.contains(&request.plugin.kind()) || fileless.iter().any(|k| header.plugin.kind == k.name()) {
+    let is_fileless = |kind| matches!(kind, PluginKind::Command | PluginKind::Ros);
+    if is_fileless(recorded_kind(request.plugin.kind())) || is_fileless(header.plugin.kind) {
         return Err(SubmissionError::NoFile);
     }
     if header.schema != RUN_SCHEMA || header.harness_version != request.harness_version {
@@ -142,7 +143,7 @@ pub fn check_replays(wanted: &[TaskId]) -> Result<(), SubmissionError> {
         [first, ..] if wanted.len() > REPLAYS => Err(SubmissionError::Replay {
             task: first.clone(),
             problem: format!(
-                "one of {} tasks, of which {REPLAYS} at most can be carried along",
+                "one of {} tasks; a submission contains at most {REPLAYS} replays",
                 wanted.len()
             ),
         }),

@@ -13,13 +13,13 @@ use crate::division::{Division, OpenReason};
 
 pub const SUBMISSION_SCHEMA: u32 = 1;
 
-/// The person or group who enters, in their own words. Nobody checks them: they are shown and decide nothing.
+/// The entrant's description of themselves. It is shown but not checked, and affects no result.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entrant {
     /// The name of the person, team or institute.
     pub name: String,
-    /// An address to read more at; `https://` only.
+    /// The address of a web page; `https://` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
     /// The address of the planner's source; `https://` only.
@@ -28,7 +28,7 @@ pub struct Entrant {
     /// The address of a paper on it; `https://` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<String>,
-    /// A sentence or two on the planner.
+    /// A short description of the planner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -45,12 +45,12 @@ impl Entrant {
                 return fail(format!("longer than {most} characters"));
             }
             if text.chars().any(char::is_control) {
-                return fail("holds a control character (give one line)".into());
+                return fail("contains a control character (give one line)".into());
             }
             // Two names that look alike, or one that turns the text around it, would mislead whoever reads a board.
             if vb_files::printable(text) != text {
                 return fail(
-                    "holds a character that can't be seen, or that turns the direction of writing".into(),
+                    "contains an invisible character, or one that changes the writing direction".into(),
                 );
             }
             Ok(())
@@ -64,7 +64,7 @@ impl Entrant {
             if url.bytes().any(odd) || !url.starts_with("https://") {
                 return Err(SubmissionError::Entrant {
                     field: name,
-                    problem: format!("{url:?} is no address that begins with https://"),
+                    problem: format!("{url:?} does not begin with https://"),
                 });
             }
         }
@@ -72,7 +72,7 @@ impl Entrant {
     }
 }
 
-/// A submission's entry for a task; all of it is in the run's records, too.
+/// A submission's entry for a task; the run's records contain the same data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaskEntry {
@@ -97,19 +97,18 @@ pub struct Manifest {
     pub schema: u32,
     pub entrant: Entrant,
     pub division: Division,
-    /// The reasons why the division is the open one; empty if it isn't.
+    /// The reasons for the open division; empty for the others.
     pub open_because: Vec<OpenReason>,
-    /// The version of the planner interface that the plugin speaks.
+    /// The version of the planner interface that the plugin uses.
     pub abi: String,
-    /// The version of the suite, as it calls itself.
+    /// The version of the suite, from its file.
     pub suite_version: String,
-    /// The description of what was run: harness, suite, plugin, parameters, vehicle, soils, scale, seed, rules, limits.
-    /// It is as in the run's own `run.json`, but without paths, which are nobody's business; `trace` is `none` if no
-    /// trace is carried along.
+    /// The settings of the run: harness, suite, plugin, parameters, vehicle, soils, scale, seed, rules, limits. As in
+    /// the run's `run.json`, but without paths, which are private; `trace` is `none` if no trace is included.
     pub run: RunHeader,
     /// The figures over all tasks: `all` of the summary.
     pub results: Option<Group>,
-    /// The tasks whose traces are carried along for replays. They are always among those that are driven again.
+    /// The tasks whose traces are included for replays. The verification always re-runs them.
     pub replays: Vec<TaskId>,
     /// The result of each task.
     pub tasks: BTreeMap<TaskId, TaskEntry>,

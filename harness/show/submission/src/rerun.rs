@@ -18,7 +18,7 @@ use crate::division::{division, open_reasons};
 use crate::files::{self, MANIFEST, RUN, SERIES, TRACE};
 use crate::make::trace_files;
 use crate::sample::draw;
-use crate::verdict::{DIFFERENCES, Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
+use crate::verdict::{Check, DIFFERENCES, Finding, Findings, SampleTaken, VERIFICATION_SCHEMA, Verification};
 
 /// The choice of the tasks that are driven again, and how they are.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ pub fn verify(
     }
     let (mut findings, mut tasks) = check(submission, expected)?;
     tasks.sort();
-    let checks = Verification::CHECKS.map(str::to_owned).to_vec();
+    let checks = Check::ALL.to_vec();
     let mut verdict = Verification {
         schema: VERIFICATION_SCHEMA,
         harness_version: expected.harness_version.to_owned(),
@@ -77,9 +77,9 @@ pub fn verify(
         // A file that was replaced between its hash and its loading is another plugin, too.
         if plugin.sha256() != expected.plugin_sha256 {
             findings.push(Finding::new(
-                "plugin",
+                Check::Plugin,
                 MANIFEST,
-                "the plugin's file was changed while it was verified",
+                "the plugin file changed during the verification",
             ));
         }
         check_plugin(m, plugin, expected.perception, &mut findings);
@@ -198,7 +198,11 @@ impl Again<'_> {
             let (stated, driven) = (self.comparable(stated), self.comparable(driven.clone()));
             for d in differences(&stated, &driven, DIFFERENCES) {
                 let place = format!("{file}: {}: {}", stated.task, d.path);
-                found.push(Finding::new("rerun", place, format!("is {}, driven again it is {}", d.a, d.b)));
+                found.push(Finding::new(
+                    Check::Rerun,
+                    place,
+                    format!("is {}; the re-run results in {}", d.a, d.b),
+                ));
             }
             Ok(ControlFlow::Continue(()))
         })
@@ -229,7 +233,7 @@ impl Again<'_> {
             let theirs = self.submission.run_dir().join(&name);
             let stated = match size(&theirs)? {
                 Some(size) if size > limit => {
-                    found.push(Finding::new("rerun", place(), too_large(size, limit)));
+                    found.push(Finding::new(Check::Rerun, place(), too_large(size, limit)));
                     continue;
                 }
                 Some(_) => Some(files::read(&theirs, limit)?),
@@ -243,12 +247,10 @@ impl Again<'_> {
             };
             if stated != driven {
                 let text = match driven {
-                    Some(_) => "is not what comes out when the task is driven again",
-                    None => {
-                        "is there, though driving the task again gives none, or a larger one, which is left out"
-                    }
+                    Some(_) => "differs from the re-run of the task",
+                    None => "exists, but the re-run of the task has none, or one that exceeds the size limit",
                 };
-                found.push(Finding::new("rerun", place(), text));
+                found.push(Finding::new(Check::Rerun, place(), text));
             }
         }
         Ok(())

@@ -43,7 +43,7 @@ mod tests {
                 .product();
             100.0 * (1.0 - escape)
         };
-        let page = include_str!("../../../../docs/leaderboard.md");
+        let page = include_str!("../../../../docs/running-a-leaderboard.md");
         let mut rows =
             page.lines().skip_while(|l| !l.starts_with("| forged")).take_while(|l| l.starts_with('|'));
         let cells = |row: &str| -> Vec<String> {

@@ -10,29 +10,100 @@ pub const VERIFICATION_SCHEMA: u32 = 1;
 /// The number of leaves of two documents whose differences become findings.
 pub(crate) const DIFFERENCES: usize = 20;
 
-/// A statement of a submission that isn't true.
+/// A part of a submission that is verified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Check {
+    /// The files: names, sizes and SHA-256.
+    Files,
+    /// The description of the run.
+    Run,
+    /// The suite.
+    Suite,
+    /// The plugin's file and metadata.
+    Plugin,
+    /// The vehicle and the soils.
+    Vehicle,
+    /// The perception profile.
+    Perception,
+    /// The rules.
+    Rules,
+    /// The limits on the planner.
+    Limits,
+    /// The records of the tasks.
+    Tasks,
+    /// The figures that follow from the records.
+    Summary,
+    /// The HTML report.
+    Report,
+    /// The division by the rules.
+    Division,
+    /// The tasks that are re-run.
+    Rerun,
+}
+
+impl Check {
+    /// All checks, in the order in which they are made.
+    pub const ALL: [Self; 13] = [
+        Self::Files,
+        Self::Run,
+        Self::Suite,
+        Self::Plugin,
+        Self::Vehicle,
+        Self::Perception,
+        Self::Rules,
+        Self::Limits,
+        Self::Tasks,
+        Self::Summary,
+        Self::Report,
+        Self::Division,
+        Self::Rerun,
+    ];
+
+    /// The name of the check in files, messages and pages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Files => "files",
+            Self::Run => "run",
+            Self::Suite => "suite",
+            Self::Plugin => "plugin",
+            Self::Vehicle => "vehicle",
+            Self::Perception => "perception",
+            Self::Rules => "rules",
+            Self::Limits => "limits",
+            Self::Tasks => "tasks",
+            Self::Summary => "summary",
+            Self::Report => "report",
+            Self::Division => "division",
+            Self::Rerun => "rerun",
+        }
+    }
+}
+
+/// An incorrect statement of a submission.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
-    /// The check that found it, one of [`Verification::CHECKS`].
-    pub check: String,
+    /// The check that reported it.
+    pub check: Check,
     /// The file, and the field or task in it.
     pub place: String,
-    /// A text on what the submission says, and what it should say.
+    /// The value in the submission and the correct value, as text.
     pub text: String,
 }
 
 impl Finding {
-    pub(crate) fn new(check: &str, place: impl Into<String>, text: impl std::fmt::Display) -> Self {
+    pub(crate) fn new(check: Check, place: impl Into<String>, text: impl std::fmt::Display) -> Self {
         // Texts of strangers end up here, and from here in comments and pages.
         let cut = |s: &str| vb_report::one_line(s, 300);
-        Self { check: check.into(), place: cut(&place.into()), text: cut(&text.to_string()) }
+        Self { check, place: cut(&place.into()), text: cut(&text.to_string()) }
     }
 }
 
 impl std::fmt::Display for Finding {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}: {}", self.check, self.place, self.text)
+        write!(f, "{}: {}: {}", self.check.name(), self.place, self.text)
     }
 }
 
@@ -74,11 +145,11 @@ impl Findings {
     }
 }
 
-/// The sample of tasks that were driven again.
+/// The sample of re-run tasks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleTaken {
-    /// The seed that drew the tasks; `None` if all were driven.
+    /// The seed of the sample; `None` if all tasks were re-run.
     pub seed: Option<u64>,
     /// The number of tasks of the submission.
     pub of: u64,
@@ -93,24 +164,24 @@ pub struct Verification {
     pub schema: u32,
     /// The version of the harness that verified.
     pub harness_version: String,
-    /// Whether nothing was found.
+    /// Whether there are no findings.
     pub verified: bool,
     /// The SHA-256 of `submission.json`, which states those of all other files.
     pub submission_sha256: String,
-    /// The SHA-256 of the plugin that was driven.
+    /// The SHA-256 of the plugin that was run.
     pub plugin_sha256: String,
     /// The content hash of the suite.
     pub suite_hash: String,
-    /// The division by the rules.
+    /// The division according to the conditions.
     pub division: Division,
     /// The checks that were made, in order.
-    pub checks: Vec<String>,
-    /// The findings, a hundred at most.
+    pub checks: Vec<Check>,
+    /// The findings, at most a hundred.
     pub findings: Vec<Finding>,
-    /// The number of findings beyond those.
+    /// The number of further findings.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub more_findings: u64,
-    /// The tasks that were driven again; `None` if that was not come to, since something was found before.
+    /// The re-run tasks; `None` if there were findings before the re-run.
     pub sample: Option<SampleTaken>,
 }
 
@@ -118,10 +189,16 @@ fn is_zero(n: &u64) -> bool {
     *n == 0
 }
 
-impl Verification {
-    /// All checks, in the order in which they are made.
-    pub const CHECKS: [&str; 12] = [
-        "files", "run", "suite", "plugin", "vehicle", "rules", "limits", "tasks", "summary", "report",
-        "division", "rerun",
-    ];
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_files_and_each_check_is_listed_once_in_order() {
+        for check in Check::ALL {
+            assert_eq!(serde_json::to_value(check).unwrap(), check.name());
+        }
+        assert!(Check::ALL.is_sorted_by(|a, b| a < b));
+        assert!(serde_json::from_value::<Check>("file".into()).is_err());
+    }
 }

@@ -1,4 +1,4 @@
-//! What the planners do on ground that is known beforehand.
+//! Behaviour on analytic terrain.
 
 use super::*;
 use vb_sdk::{GridFrame, Map, Param, Point2, Pose, Series, Vec3, Vehicle};
@@ -30,7 +30,7 @@ const PARAMS: [(&str, &str); 24] = [
     ("price_obstacle", "30"),
 ];
 
-/// A HMMWV on 80 x 80 m of gravel with these heights, that is to go east along the x axis.
+/// A HMMWV on 80 x 80 m of gravel with these heights, with the goal to the east along the x axis.
 fn task(height: impl Fn(f64, f64) -> f64, params: &[(&str, &str)]) -> Task {
     let frame = GridFrame { rows: 81, cols: 81, resolution: 1.0, origin_x: -40.0, origin_y: -40.0 };
     let at = |k: usize| (f64::from((k % 81) as u32) - 40.0, f64::from((k / 81) as u32) - 40.0);
@@ -78,7 +78,7 @@ fn hears(learned: Learned) -> Prediction {
 
 const ATTENDS: Prediction = Prediction { learned: Learned::All, attention: true };
 
-/// The mean steering after some steps at a place.
+/// The mean steering after some steps at a position.
 fn steering(task: &Task, aim: Aim, by: Prediction, o: &Observation) -> f64 {
     let mut planner = Hybrid::new(task, aim, by).unwrap();
     (0..8).map(|_| planner.step(o).unwrap().steering).skip(3).sum::<f64>() / 5.0
@@ -105,7 +105,7 @@ fn on_flat_ground_every_planner_drives_on_and_towards_its_way() {
     }
 }
 
-/// The same commands come of prices that are told at once and of those that are told later.
+/// Costs given at the start and costs added later result in the same commands.
 #[test]
 fn places_that_are_made_dearer_are_gone_around() {
     let flat = task(|_, _| 0.0, &[]);
@@ -175,8 +175,8 @@ fn what_is_missing_or_wrong_is_named() {
         Err(e) => e.to_string(),
     };
     let flat = || task(|_, _| 0.0, &[]);
-    assert!(new(&Task { elevation: None, ..flat() }).contains("gives no map of heights"));
-    assert!(new(&Task { occupancy: None, ..flat() }).contains("gives no map of obstacles"));
+    assert!(new(&Task { elevation: None, ..flat() }).contains("omits the elevation map"));
+    assert!(new(&Task { occupancy: None, ..flat() }).contains("omits the occupancy map"));
     for (key, value) in [
         ("speed", "0"),
         ("samples", "0"),
@@ -189,7 +189,7 @@ fn what_is_missing_or_wrong_is_named() {
         let e = new(&task(|_, _| 0.0, &params));
         assert!(e.contains(key), "{key}: {e}");
     }
-    // Without kinds of ground it goes by the heights alone.
+    // Without terrain classes it uses the heights only.
     let blind = Task { semantics: None, ..flat() };
     assert!(Hybrid::new(&blind, Aim::Path, hears(Learned::All)).is_ok());
 }
@@ -208,17 +208,17 @@ fn what_it_considers_is_told_on_request() {
     let series = told(Aim::Path, ATTENDS);
     // 16 courses of 21 points.
     assert_eq!((series(0, "trajectories").len(), series(0, "trajectory_costs").len()), (16 * 21 * 2, 16));
-    // The plan lies on the ground, from the vehicle on.
+    // The plan lies on the terrain, starting at the vehicle.
     let plan = series(0, "plan.xyz");
     assert_eq!(plan.len(), 21 * 3);
     assert!(plan.chunks(3).all(|p| (p[2] - 0.05 * p[0]).abs() < 1e-3) && plan[0] == -20.0, "{plan:?}");
-    // A vehicle that doesn't move is by and by where it wasn't foreseen to be.
+    // A vehicle that does not move deviates increasingly from its prediction.
     assert!(series(9, "prediction_error").is_empty() && series(10, "prediction_error")[0] > 0.5);
-    // All attention together is one.
+    // The attention weights sum to 1.
     let shares = series(0, "attention.cost");
     assert!(shares.len() == 5 && (shares.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{shares:?}");
     assert!(shares.iter().all(|s| *s > 0.0), "{shares:?}");
-    // The map is told once.
+    // The map is recorded once.
     let series = told(Aim::Traversability, hears(Learned::All));
     assert_eq!(series(0, "traversability.cost").len(), 41 * 41);
     assert_eq!(series(0, "traversability.xyz").len(), 41 * 41 * 9);
@@ -228,7 +228,7 @@ fn what_it_considers_is_told_on_request() {
 
 #[test]
 fn maps_of_any_resolution_and_worlds_of_any_scale_are_driven_in() {
-    // The same slope as a map of 2 m and of half a metre, and all of it at a tenth.
+    // The same slope with a resolution of 2 m and of 0.5 m, each also at a tenth of the scale.
     for (resolution, scale) in [(2.0, 1.0), (0.5, 1.0), (0.1, 0.1), (1.0, 1.0 / 6.0)] {
         let n = (80.0 * scale / resolution) as u32 + 1;
         let frame =

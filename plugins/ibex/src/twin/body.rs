@@ -1,16 +1,16 @@
-//! The body of six degrees of freedom, and what pushes it.
+//! Rigid body with six degrees of freedom, and the forces on it.
 
 use super::shape::Shape;
 use super::vector::{Axes, V3, all, turned};
 use super::{GRAVITY, State};
 
-/// The body in a step; vectors are those of the world.
+/// The body in a step; vectors are in world axes.
 #[derive(Clone, Copy)]
 pub(super) struct Body {
     /// The centre of mass, m.
     pub(super) place: V3,
     pub(super) axes: Axes,
-    /// Of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub(super) velocity: V3,
     /// Angular velocity, rad/s.
     pub(super) turning: V3,
@@ -27,7 +27,7 @@ impl Push {
         Self { force: V3::all([0.0, 0.0, -mass * GRAVITY]), moment: V3::all([0.0; 3]) }
     }
 
-    /// Adds a force at a place, which is counted from the centre of mass.
+    /// Adds a force at a point relative to the centre of mass.
     pub(super) fn add(&mut self, at: V3, force: V3) {
         self.force += force;
         self.moment += at.cross(force);
@@ -44,7 +44,7 @@ impl State {
         Body { place: self.place, axes, velocity: self.velocity, turning: axes.out(self.rotation) }
     }
 
-    /// Moves the body on by Euler's equations, speeds first.
+    /// Integrates Euler's equations, velocities first.
     pub(super) fn advance(&mut self, shape: &Shape, push: &Push, dt: f32) {
         self.velocity += push.force * all(dt / shape.mass);
         let m = self.axes().within(push.moment);
@@ -58,7 +58,7 @@ impl State {
         self.drift(dt);
     }
 
-    /// Moves the body on as fast as it moves.
+    /// Integrates the position with the current velocity.
     pub(super) fn drift(&mut self, dt: f32) {
         self.attitude = turned(self.attitude, self.rotation * all(dt));
         self.place += self.velocity * all(dt);

@@ -1,35 +1,35 @@
-//! Where a wheel meets the ground.
+//! Contact of a wheel with the terrain.
 //!
-//! Stations along the circumference of the wheel's disc measure the area in which it overlaps the ground. The area tells how far the
-//! tyre is deflected, as it would be on flat ground by the same area, its middle tells from where, and the ground's slope along the
-//! axle inclines the force. So an edge, a kerb and a ridge narrower than the wheel are felt (Sui and Hirshey, "A new analytical tire
-//! model for vehicle dynamic analysis", 2001).
+//! Stations along the circumference of the wheel's disc measure its overlap area with the terrain. The area gives the
+//! tyre deflection, as the same area would on flat terrain; its centroid gives the direction, and the terrain's slope
+//! along the axle inclines the force. The tyre thus envelops edges, kerbs and ridges narrower than the wheel (Sui and
+//! Hirshey, "A new analytical tire model for vehicle dynamic analysis", 2001).
 
 use wide::f32x8;
 
 use super::Twin;
 use super::vector::{V3, all};
 
-/// Stations on each side of the lowest one, and how far ahead of it they are, in radii.
+/// Stations on each side of the lowest station, and their offsets, in radii.
 const SIDE: usize = 3;
 const AHEAD: [f32; SIDE] = [0.15, 0.4, 0.8];
 const STATIONS: usize = 2 * SIDE + 1;
-/// Bounds of what the ground's inclination does to an overlap that is measured upwards.
+/// Bounds of the factor by which terrain inclination changes an overlap that is measured vertically.
 const INCLINE: [f32; 2] = [0.3, 3.0];
-/// The least by which a force that is inclined along the axle comes from below.
+/// Minimum vertical component of a force that is inclined along the axle.
 const STEEPEST: f32 = 0.2;
 
 /// A station on the circumference, in radii.
 #[derive(Clone, Copy, Debug)]
 struct Station {
-    /// How far ahead of the centre and below it.
+    /// Offset ahead of the centre and below it.
     ahead: f32,
     below: f32,
-    /// The length of the radius that it stands for.
+    /// Width of the strip of the disc that it represents, in radii.
     part: f32,
 }
 
-/// A part of the relation of deflection to area, a line on which the deflection is this and rises by `slope` at an area.
+/// A linear segment of deflection over area: the deflection at an area, and its `slope`.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     area: f32,
@@ -37,11 +37,11 @@ struct Piece {
     slope: f32,
 }
 
-/// The circumference of a wheel whose radius is 1.
+/// The circumference of a wheel with radius 1.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
     stations: [Station; STATIONS],
-    /// Deflection over area on flat ground. It is concave, so that the least of all lines counts.
+    /// Deflection over area on flat terrain. It is concave: the minimum of all segments applies.
     pieces: [Piece; SIDE + 1],
 }
 
@@ -65,7 +65,7 @@ impl Outline {
         let area = |deflection: f32| -> f32 {
             stations.iter().map(|s| (s.below - 1.0 + deflection).max(0.0) * s.part).sum()
         };
-        // Stations come in pairs around the lowest one, which is touched first.
+        // Stations come in pairs around the lowest station, which makes contact first.
         let touched = |pair: usize| if pair > SIDE { 1.0 } else { 1.0 - stations[SIDE - pair].below };
         let pieces = std::array::from_fn(|pair| {
             let [from, to] = [touched(pair), touched(pair + 1)];
@@ -74,21 +74,21 @@ impl Outline {
         Self { stations, pieces }
     }
 
-    /// The deflection on flat ground at an area of overlap.
+    /// The deflection on flat terrain at an overlap area.
     fn deflection(&self, area: f32x8) -> f32x8 {
         let on = |p: &Piece| all(p.deflection) + (area - all(p.area)) * all(p.slope);
         self.pieces.iter().map(on).fold(all(f32::INFINITY), f32x8::min)
     }
 }
 
-/// How a wheel meets the ground.
+/// Contact state of a wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contact {
-    /// How far the tyre is deflected, m; below 0 it is above the ground.
+    /// Tyre deflection, m; negative without contact.
     pub(super) depth: f32x8,
     /// Sine of the angle by which the contact is ahead of the lowest point.
     pub(super) ahead: f32x8,
-    /// How steeply the ground rises along the axle, to the left, as seen from the wheel.
+    /// Slope of the terrain along the axle, positive rising to the left, in the wheel's axes.
     pub(super) aside: f32x8,
 }
 
@@ -99,7 +99,7 @@ pub(super) struct Frame {
     pub(super) radial: V3,
     /// Out of the ground.
     pub(super) normal: V3,
-    /// The way that the tread rolls, and to the left of it on the ground.
+    /// The rolling direction of the tread, and the direction to its left on the terrain.
     pub(super) along: V3,
     pub(super) across: V3,
     /// The cosine of the angle between the wheel's up and the radial direction.
@@ -107,7 +107,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The directions at a contact of a wheel with these directions ahead, up and to the left.
+    /// The directions at a contact of a wheel with these forward, up and left axes.
     pub(super) fn new(contact: &Contact, [ahead, up, axle]: [V3; 3]) -> Self {
         let Contact { ahead: sine, aside, .. } = *contact;
         let one = all(1.0);
@@ -125,7 +125,7 @@ impl Frame {
 }
 
 impl Twin {
-    /// Where a wheel that is sunk so deep (m) meets the ground. Its centre, and the directions ahead, up and to the left of its own.
+    /// The contact of a wheel at this sinkage (m), from its centre and its forward, up and left axes.
     pub(super) fn meet(&self, hub: V3, [ahead, up, axle]: [V3; 3], sunk: f32x8) -> Contact {
         let (radius, outline) = (all(self.shape.radius), &self.shape.outline);
         let none = all(0.0);
@@ -146,7 +146,7 @@ impl Twin {
         }
         let rise = rise / area.max(all(1e-9));
         let aside = rise * up.z / (all(1.0) + rise * axle.z).max(all(STEEPEST));
-        // Overlaps were measured upwards, and not to ground that is inclined.
+        // Overlaps are measured vertically, and not normal to inclined terrain.
         let incline = all(1.0) - aside * axle.z / up.z.max(all(0.05));
         let deflection = outline.deflection(area * incline.max(all(INCLINE[0])).min(all(INCLINE[1])));
         let length = (before * before + below * below).sqrt().max(all(1e-9));
@@ -164,14 +164,15 @@ mod tests {
     use super::*;
     use crate::twin::tests::{GRAVEL, twin};
 
-    /// On a plane the ground presses along its normal, and a wheel is as deep as its lowest point is below, measured along its radius.
+    /// On a plane the terrain presses along its normal; the deflection is the depth of the lowest point, measured along
+    /// its radius.
     #[test]
     fn a_plane_presses_along_its_normal() {
         for [east, north] in [[0.0_f64, 0.0], [0.3, 0.0], [-0.2, 0.0], [0.0, 0.25], [0.0, -0.4], [0.2, 0.3]] {
             let twin = twin(GRAVEL, |x, y| east * x + north * y);
             let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]].map(V3::all);
             let unit = 1.0 / (1.0 + east * east + north * north).sqrt();
-            // The disc would be 3 cm deep in a plane that rose ahead alone.
+            // The disc would be 3 cm deep in a plane that rises only ahead.
             let ahead = (1.0 + east * east).sqrt();
             let hub = V3::all([0.0, 0.0, ((0.467 - 0.03) * ahead) as f32]);
             let contact = twin.meet(hub, axes, all(0.0));
@@ -207,7 +208,7 @@ mod tests {
         }
     }
 
-    /// Whatever the stations, ground that is flat deflects the tyre by as much as it is above the lowest point.
+    /// For any stations, flat terrain deflects the tyre by its height above the lowest point.
     #[test]
     fn flat_ground_deflects_by_its_depth() {
         let outline = Outline::new();

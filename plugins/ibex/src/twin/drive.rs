@@ -1,45 +1,47 @@
-//! What engine, differentials and brakes do to the wheels.
+//! Engine, differentials and brakes.
 
 use wide::f32x8;
 
 use super::vector::{all, within};
 use super::{Controls, Shape, Twin, WHEELS, Wheel};
 
-/// The HMMWV's engine and converter (`tasks/vehicles/hmmwv.yaml`), in rad/s and N m at full scale. Idle speed, and where the governor
-/// begins to close and has closed.
+/// The HMMWV's engine and converter (`tasks/vehicles/hmmwv.yaml`), in rad/s and N m at full scale. Idle speed, and the
+/// speeds at which the governor begins to close and is closed.
 pub(super) const IDLE: f32 = 68.0;
 pub(super) const GOVERNED: [f32; 2] = [377.0, 398.0];
-/// The torque at full throttle, `most − by (speed − at)²`, and the one at none, `at rest + by speed`.
+/// Torque at full throttle, `maximum − coefficient (speed − peak)²`, and at closed throttle,
+/// `constant + coefficient · speed`.
 const FULL: [f32; 3] = [325.0, 0.0022, 220.0];
 const CLOSED: [f32; 2] = [-41.0, -0.095];
 /// The inertia of the engine, kg m².
 const ROTOR: f32 = 1.1;
-/// What the converter's pump takes over the square of its speed, N m s²: at low ratios of speed; a line through 0.5 and 0.9; and one to
-/// nothing where both sides turn alike, and on where the wheels drive the engine.
+/// Pump torque of the converter over its squared speed, N m s²: constant at low speed ratios; a line through 0.5 and
+/// 0.9; and a line through 0 at equal speeds, extended to overrun.
 const PUMP: f32 = 0.0073;
 const PUMP_FALLS: [f32; 2] = [0.0055, 0.051];
-/// The ratio of torques over that of speeds: the least of three lines, and 1 at least.
+/// Torque ratio over speed ratio: the minimum of three lines, at least 1.
 const RATIO: [[f32; 2]; 3] = [[2.0, -0.8], [2.1, -1.2], [2.2, -1.4]];
-/// From the turbine to all wheels in the first gear and in reverse, and the HMMWV's weight times the radius of its wheels, N m.
+/// Ratio from the turbine to all wheels in first gear and in reverse, and the HMMWV's weight times its wheel radius, N
+/// m.
 const GEARS: [f32; 2] = [13.0, 10.9];
 const ARM: f32 = 11_426.0;
-/// What a Torsen differential with a bias of 4 to 1 gives the slower wheel more and the faster one less than half of the axle's torque,
-/// as a fraction of that half: (4 − 1) / (4 + 1).
+/// Torque bias of a Torsen differential with a ratio of 4 to 1: the slower wheel gets this fraction of half the axle
+/// torque more, and the faster wheel less, (4 − 1) / (4 + 1).
 const BIAS: f32 = 0.6;
-/// How much less the wheels of an axle, and all wheels, spin up by the same torques than a wheel that turns against its neighbour, with
-/// which no shaft turns: of the HMMWV's inertia (`tasks/vehicles/hmmwv.yaml`) a wheel has 7.8 kg m², the shafts of an axle, seen from its
-/// wheels, 14.3 besides, and those between the axles another 30.2.
+/// Spin-up of the wheels of an axle and of all wheels relative to two wheels that counter-rotate without turning a
+/// shaft: of the HMMWV's inertia (`tasks/vehicles/hmmwv.yaml`) a wheel has 7.8 kg m², the shafts of an axle, referred
+/// to its wheels, 14.3 in addition, and the shafts between the axles another 30.2.
 const TOGETHER: [f32; 2] = [15.6 / 29.9, 31.2 / 90.0];
 
-/// Means of the wheels of either axle, and of all.
+/// Means of the wheels of each axle, and of all.
 fn means(of: [f32x8; WHEELS]) -> ([f32x8; 2], f32x8) {
     let axles = [(of[0] + of[1]) * all(0.5), (of[2] + of[3]) * all(0.5)];
     (axles, (axles[0] + axles[1]) * all(0.5))
 }
 
 impl Twin {
-    /// Torques of the wheels, and the most that each brake resists with, N m, after a step of `dt` (s) in which the engine (rad/s at full
-    /// scale) gathers speed.
+    /// Wheel torques and the maximum torque of each brake, N m, after a step of `dt` (s) that also accelerates the
+    /// engine (rad/s at full scale).
     pub(super) fn torques(
         &self,
         wheels: &[Wheel; WHEELS],
@@ -65,7 +67,7 @@ impl Twin {
         let torque = closed + (full - closed) * c.pedal.max(zero);
         *engine = (*engine + (torque - taken) * all(dt / (ROTOR * root))).max(all(IDLE));
         let drive = turbine * gear * c.way * all(0.25 * arm / ARM);
-        // A lock between the axles, and differentials that bear a ratio of torques between the sides.
+        // A lock between the axles, and differentials with a torque bias between the sides.
         let axles = within((rear - front) * all(clutch[0]), all(arm));
         let torques = std::array::from_fn(|i| {
             let of_axle = drive + if i < 2 { axles } else { -axles };
@@ -76,7 +78,7 @@ impl Twin {
     }
 }
 
-/// Spins the wheels up by what each would gain if nothing but itself turned with it, rad/s.
+/// Accelerates the wheels by the spin that each would gain without connected shafts, rad/s.
 pub(super) fn spin_up(wheels: &mut [Wheel; WHEELS], gained: [f32x8; WHEELS]) {
     let (axles, mean) = means(gained);
     for (i, w) in wheels.iter_mut().enumerate() {
@@ -90,7 +92,7 @@ pub(super) fn spin_up(wheels: &mut [Wheel; WHEELS], gained: [f32x8; WHEELS]) {
 mod tests {
     use super::*;
 
-    /// Impulses change angular momenta by as much, whatever turns with the wheels.
+    /// Impulses change angular momentum equally, whatever inertia is coupled to the wheels.
     #[test]
     fn shafts_turn_with_wheels_that_turn_together() {
         let spun = |gained: [f32; WHEELS]| {

@@ -1,4 +1,4 @@
-//! The ground as wheels and hull meet it: the triangles of the map of heights, and what each kind of ground is taken for.
+//! Terrain for wheels and hull: the triangles of the elevation map, and the assumed properties of each terrain class.
 
 use vb_sdk::mppi::LANES;
 use vb_sdk::{HeightMap, LabelMap, Vehicle};
@@ -6,13 +6,13 @@ use wide::f32x8;
 
 use super::vector::all;
 
-/// A kind of ground. Maps tell kinds and not what they hold.
+/// Properties of a terrain class. Maps contain classes, not properties.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kind {
     pub(super) friction: f32,
-    /// The depth to which a wheel of the HMMWV sinks under its share of the weight, as a part of its radius.
+    /// Sinkage of an HMMWV wheel under its static load, as a fraction of its radius.
     pub(super) sinkage: f32,
-    /// What resists as it is compacted, over the load and the root of the sinkage in diameters.
+    /// Compaction resistance over load and root of the sinkage in diameters.
     pub(super) compaction: f32,
 }
 
@@ -22,10 +22,10 @@ impl Kind {
     }
 }
 
-/// By the numbers that maps have. Friction is the mean of the class (`tasks/generator/default.yaml`). What yields is
-/// the soil of medium level (`tasks/soils/default.yaml`) under a wheel of the HMMWV (`vehicle test hmmwv --event wheel-on-soil`): its greatest
-/// pull and its resistance together, less a fifth by slip, its sinkage, and one and a half times its resistance, both as found on training
-/// worlds. Other levels are found out on the way.
+/// Indexed by the class numbers of maps. Friction is the class mean (`tasks/generator/default.yaml`). Deformable
+/// classes are the soil of medium level (`tasks/soils/default.yaml`) under an HMMWV wheel
+/// (`vehicle test hmmwv --event wheel-on-soil`): maximum drawbar pull plus resistance, less a fifth for slip; sinkage; and one and a half times its
+/// resistance. The last two factors were fitted on training worlds. Other levels are estimated during the task.
 const KINDS: [Kind; 10] = [
     Kind::firm(0.60),
     Kind::firm(0.85),
@@ -38,11 +38,11 @@ const KINDS: [Kind; 10] = [
     Kind { friction: 0.50, sinkage: 0.139, compaction: 1.02 },
     Kind { friction: 0.316, sinkage: 0.33, compaction: 0.44 },
 ];
-/// What ground is taken for whose kind isn't known: gravel.
+/// Assumed class of unknown terrain: gravel.
 const UNKNOWN: usize = 4;
-/// Bounds of how much deeper than in [`KINDS`] wheels are believed to sink.
+/// Bounds of the estimated sinkage relative to [`KINDS`].
 const DEEPER: [f32; 2] = [0.15, 4.0];
-/// Nodes that are looked at under the hull lie at least a part of the vehicle's length apart.
+/// Minimum spacing of the nodes checked under the hull: vehicle length divided by this number.
 const NODES: f64 = 5.0;
 
 #[derive(Clone, Debug)]
@@ -52,26 +52,26 @@ pub(super) struct Ground {
     resolution: f32,
     per_metre: f32,
     origin: [f32; 2],
-    /// Where the last cell ends, in cells.
+    /// End of the last cell, in cells.
     end: [f32; 2],
     kinds: Option<LabelMap>,
-    /// How much deeper than [`KINDS`] has it wheels sink, by kind.
+    /// Estimated sinkage relative to [`KINDS`], by class.
     deeper: [f32; KINDS.len()],
-    /// Rows and columns of the nodes under a vehicle, and from one to the next.
+    /// Rows and columns of the nodes under a vehicle, and the stride between them.
     around: usize,
     stride: usize,
-    /// The greatest height under a vehicle whose nodes begin here.
+    /// Maximum height under a vehicle whose nodes begin at this node.
     highest: Vec<f32>,
 }
 
 impl Ground {
-    /// The ground of these maps, of which that of heights has at least 2 × 2 samples.
+    /// The terrain of these maps; the elevation map has at least 2 × 2 samples.
     pub(super) fn new(map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) -> Self {
         let frame = map.frame;
         let (rows, cols) = (frame.rows as usize, frame.cols as usize);
         let stride = ((vehicle.length / (NODES * frame.resolution)) as usize).max(1);
         let least = rows.min(cols);
-        // As many as reach from end to end, in whatever direction, and that the map has.
+        // As many nodes as span the vehicle in any direction, limited by the map.
         let wanted = (vehicle.length / (stride as f64 * frame.resolution)) as usize + 2;
         let around = wanted.min((least - 1) / stride + 1);
         let reach = (around - 1) * stride + 1;
@@ -87,7 +87,7 @@ impl Ground {
             resolution: frame.resolution as f32,
             per_metre: (1.0 / frame.resolution) as f32,
             origin: [frame.origin_x as f32, frame.origin_y as f32],
-            // A thousandth less, so that a place on the edge lies in the last cell.
+            // A thousandth less, so that a position on the edge is in the last cell.
             end: [cols as f32 - 1.001, rows as f32 - 1.001],
             kinds: kinds.cloned(),
             deeper: [1.0; KINDS.len()],
@@ -97,13 +97,13 @@ impl Ground {
         }
     }
 
-    /// The ground of other maps, of which as much is known.
+    /// The terrain of other maps with the same estimates.
     pub(super) fn of(&self, map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) -> Self {
         Self { deeper: self.deeper, ..Self::new(map, kinds, vehicle) }
     }
 
-    /// The heights of the corners about these places (south-west, south-east, north-west, north-east), and the places in their
-    /// cells. Beyond the edge they are those of the edge.
+    /// The corner heights of the cells at these positions (south-west, south-east, north-west, north-east), and the
+    /// positions within the cells. Outside the map, those of the edge.
     fn cell(&self, x: f32x8, y: f32x8) -> ([f32x8; 4], [f32x8; 2]) {
         let place = |v: f32x8, k: usize| {
             let cells = (v - all(self.origin[k])) * all(self.per_metre);
@@ -113,7 +113,7 @@ impl Ground {
         let (cols, rows) = (c.to_array(), r.to_array());
         let (mut corners, mut low) = ([[0.0; LANES]; 4], [[0.0; LANES]; 2]);
         for l in 0..LANES {
-            // What is no number becomes 0.
+            // NaN becomes 0.
             let (col, row) = (cols[l] as i32, rows[l] as i32);
             (low[0][l], low[1][l]) = (col as f32, row as f32);
             let i = row as usize * self.cols + col as usize;
@@ -126,7 +126,7 @@ impl Ground {
         (corners.map(f32x8::from), [c - f32x8::from(low[0]), r - f32x8::from(low[1])])
     }
 
-    /// The heights at these places (m), and the slopes towards the east and the north.
+    /// The heights at these positions (m), and the slopes towards the east and the north.
     #[inline]
     pub(super) fn surface(&self, x: f32x8, y: f32x8) -> [f32x8; 3] {
         let ([a, b, c, d], [u, v]) = self.cell(x, y);
@@ -137,7 +137,7 @@ impl Ground {
         [a + u * east + v * up, east * per_metre, up * per_metre]
     }
 
-    /// The first of the nodes under vehicles at these places.
+    /// The first node under vehicles at these positions.
     fn first(&self, x: f32x8, y: f32x8) -> [[usize; LANES]; 2] {
         let before = ((self.around / 2).max(1) - 1) * self.stride;
         let nodes = [self.end[0] as usize + 2, self.end[1] as usize + 2];
@@ -149,14 +149,14 @@ impl Ground {
         [std::array::from_fn(|l| first(x[l], 0)), std::array::from_fn(|l| first(y[l], 1))]
     }
 
-    /// The greatest heights under vehicles at these places, m.
+    /// The maximum heights under vehicles at these positions, m.
     pub(super) fn highest(&self, x: f32x8, y: f32x8) -> f32x8 {
         let [col, row] = self.first(x, y);
         let highest: [f32; LANES] = std::array::from_fn(|l| self.highest[row[l] * self.cols + col[l]]);
         f32x8::from(highest)
     }
 
-    /// Shows the nodes under vehicles at these places: x, y and height, m.
+    /// Visits the nodes under vehicles at these positions: x, y and height, m.
     #[inline]
     pub(super) fn nodes(&self, x: f32x8, y: f32x8, mut see: impl FnMut([f32x8; 3])) {
         let [col, row] = self.first(x, y);
@@ -175,19 +175,19 @@ impl Ground {
         }
     }
 
-    /// The number of the kind of ground at a place.
+    /// The class number at a position.
     fn label(&self, x: f32, y: f32) -> usize {
         let told = self.kinds.as_ref().map(|kinds| usize::from(kinds.nearest(f64::from(x), f64::from(y))));
         told.filter(|label| *label < KINDS.len()).unwrap_or(UNKNOWN)
     }
 
-    /// The kind of ground at a place, with what is known of its depth by now.
+    /// The properties at a position, with the current depth estimate.
     pub(super) fn kind(&self, x: f32, y: f32) -> Kind {
         let label = self.label(x, y);
         Kind { sinkage: KINDS[label].sinkage * self.deeper[label], ..KINDS[label] }
     }
 
-    /// Believes that the kind at a place is deeper than it is thought to be, by a factor.
+    /// Multiplies the estimated depth of the class at a position by a factor.
     pub(super) fn deepen(&mut self, x: f32, y: f32, factor: f32) {
         let deeper = &mut self.deeper[self.label(x, y)];
         *deeper = (*deeper * factor).clamp(DEEPER[0], DEEPER[1]);

@@ -1,7 +1,8 @@
-//! The hull on the ground.
+//! Contact of the hull with the terrain.
 //!
-//! The hull is convex, and so are most ridges: where they meet, a corner of the one lies in a face of the other. So the nodes of the
-//! map are held against the planes of the hull's lower side, and points of the hull against the map's triangles.
+//! The hull is convex, and so are most ridges: contacts are between a corner of one and a face of the other. The nodes
+//! of the map are checked against the planes of the hull's underside, and points of the hull against the map's
+//! triangles.
 
 use wide::f32x8;
 
@@ -9,21 +10,21 @@ use super::body::{Body, Push};
 use super::vector::{V3, all};
 use super::{GRAVITY, Twin};
 
-/// Contacts that are heeded at most.
+/// Maximum number of contacts.
 const MOST: usize = 48;
-/// How deep a contact can be, in radii of the wheels: a vehicle on its roof isn't thrown.
+/// Maximum depth of a contact, in wheel radii: limits the force on an overturned vehicle.
 const DEPTH: f32 = 0.7;
-/// As many times as one contact would, all of them bear at most.
+/// Maximum total load of all contacts, as a multiple of one contact's load.
 const SHARED: f32 = 2.0;
-/// The friction of the hull at most.
+/// Maximum friction coefficient of the hull.
 const FRICTION: f32 = 0.4;
-/// A contact's friction slows at most this part of the vehicle in a step.
+/// Maximum fraction of the vehicle's velocity that a contact's friction removes per step.
 const HELD: f32 = 0.35;
 
 #[derive(Clone, Copy)]
 struct Touch {
     depth: f32x8,
-    /// From the centre of mass.
+    /// Relative to the centre of mass.
     at: V3,
     normal: V3,
 }
@@ -48,7 +49,8 @@ impl Touches {
 }
 
 impl Twin {
-    /// The forces of the ground on the hull, with this friction; `before` is what the hull bore a step before, N. What it bears now.
+    /// Adds the forces of the terrain on the hull with this friction; `before` is the hull load of the previous step,
+    /// N. Returns the new hull load.
     pub(super) fn scrape(
         &self,
         body: &Body,
@@ -60,7 +62,7 @@ impl Twin {
         let friction = friction.min(all(FRICTION));
         let bottom = all(shape.under[0].height);
         let [ahead, behind, aside] = shape.reach.map(all);
-        // Mostly the hull is clear of all the ground about it.
+        // The hull is usually clear of the terrain around it.
         let tilt = axes.forward.z.abs() * ahead.max(-behind) + axes.left.z.abs() * aside;
         let lowest = place.z + bottom * axes.up.z - tilt;
         if !self.ground.highest(place.x, place.y).simd_gt(lowest).any() {
@@ -110,7 +112,7 @@ impl Twin {
         for Touch { depth, at, normal } in touches.all.into_iter().take(touches.count) {
             let v = velocity + turning.cross(at);
             let away = v.dot(normal);
-            // It bears more as it goes in than as it comes out: little bounces.
+            // Loading is stiffer than unloading: little rebound.
             let load = stiffness * depth * (all(1.0) - away).max(all(0.0)).min(all(2.0));
             borne += load;
             let slide = v + normal * -away;

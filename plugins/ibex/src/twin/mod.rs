@@ -1,13 +1,14 @@
-//! A simulation of the vehicle in the planner's mind: as simple as it can be and still explain what stops a vehicle.
+//! Internal forward model of the vehicle: the simplest simulation that predicts immobilisation.
 //!
-//! A body of six degrees of freedom stands on four wheels without mass, each at the end of a spring and a damper along the body's
-//! vertical. A wheel meets the triangles of the map with its circumference (`contact`); its tyre is a spring and a damper, and its tread a
-//! brush (`wheel`); its torque comes through a lock between the axles and limited-slip differentials (`drive`). The hull is convex, and the
-//! ground bears it. Soil gives way under the wheels and resists them.
+//! A body with six degrees of freedom stands on four massless wheels, each at the end of a spring and a damper along
+//! the body's vertical. A wheel touches the triangles of the map with its circumference (`contact`); its tyre is a
+//! spring and a damper, and its tread a brush model (`wheel`); its torque comes through a lock between the axles and
+//! limited-slip differentials (`drive`). The hull is convex and can carry load. Deformable soil sinks under the wheels
+//! and resists them.
 //!
-//! It is made of what planners are told and of the HMMWV's proportions, and not of the harness's simulator, from which it differs in
-//! nearly everything. `vb-twin-check` shows how far the two agree (`docs/planners.md`). Its steps are longer by seventeen times, and
-//! [`LANES`] vehicles are computed side by side.
+//! It uses the data of the planner interface and the HMMWV's proportions, and is independent of the harness's
+//! simulator. `vb-twin-check` measures its accuracy (`docs/planners.md`). Its steps are seventeen times as long, and it
+//! computes [`LANES`] vehicles at once.
 
 mod body;
 mod contact;
@@ -20,7 +21,7 @@ mod vector;
 mod wheel;
 
 use vb_sdk::mppi::{LANES, Lanes, Model};
-use vb_sdk::{Gear, HeightMap, LabelMap, Observation, PlannerError, Vehicle};
+use vb_sdk::{HeightMap, LabelMap, Observation, PlannerError, Vehicle};
 use wide::f32x8;
 
 use body::Push;
@@ -30,22 +31,22 @@ use shape::Shape;
 use vector::{V3, all, attitude, within};
 use wheel::{Given, Wheel};
 
-/// m/s².
+/// Standard gravity, m/s².
 const GRAVITY: f32 = 9.81;
 /// The outer wheels: those of the first and of the last axle.
 const WHEELS: usize = 4;
-/// Steps in a step of a course, and how many of them come after each other until wheels look at the ground again.
+/// Internal steps per rollout step, and the number of internal steps between contact searches.
 const STEPS: usize = 6;
 const LOOKS: usize = 2;
-/// Gains of the speed controller, [`vb_sdk::speed::SpeedKeeper`]'s.
+/// Gains of the speed controller, as in [`vb_sdk::speed::SpeedKeeper`].
 const GAINS: [f32; 2] = [0.6, 0.15];
 
 /// The states of [`LANES`] vehicles.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Where the centres of mass are, m.
+    /// Positions of the centres of mass, m.
     place: V3,
-    /// Their velocities in the world, m/s.
+    /// Velocities in world axes, m/s.
     velocity: V3,
     /// Attitudes.
     attitude: vector::Quaternion,
@@ -53,19 +54,19 @@ pub struct State {
     rotation: V3,
     /// Front to rear, left before right.
     wheels: [Wheel; WHEELS],
-    /// What the hull bears, N.
+    /// Load on the hull, N.
     hull: f32x8,
-    /// The steering that the wheels have, in -1 to 1.
+    /// Wheel steering, -1 to 1.
     steering: f32x8,
-    /// The speed of the engine, rad/s at full scale.
+    /// Engine speed, rad/s at full scale.
     engine: f32x8,
     /// The integral of the speed controller, as throttle.
     integral: f32x8,
-    /// The gear: 1 forward, -1 in reverse, something in between while it changes.
+    /// Gear: 1 forward, -1 reverse, between them during a change.
     gear: f32x8,
-    /// Where the reference points are, m.
+    /// Positions of the reference points, m.
     pub x: Lanes,
-    /// Where the reference points are, m.
+    /// Positions of the reference points, m.
     pub y: Lanes,
     /// Cosines of the headings.
     pub cos: Lanes,
@@ -77,31 +78,31 @@ pub struct State {
     pub tilt: [Lanes; 2],
     /// Cosines of the angle between the bodies' up and the vertical.
     pub upright: Lanes,
-    /// The part of the weight that the hull bears; more than 1 as it strikes.
+    /// Fraction of the weight on the hull; above 1 on impact.
     pub borne: Lanes,
 }
 
-/// What the driver does in a step.
+/// Driver commands of a step.
 struct Controls {
     steering: f32x8,
-    /// Throttle, or brake below 0.
+    /// Throttle, or brake if negative.
     pedal: f32x8,
     /// 1 forward, -1 in reverse.
     way: f32x8,
 }
 
-/// The model: ground and vehicle.
+/// The model: terrain and vehicle.
 #[derive(Clone, Debug)]
 pub struct Twin {
     ground: Ground,
     shape: Shape,
-    /// The root of the scale of the world, by which the speed controller goes.
+    /// Root of the scale of the world, the factor of the speed controller.
     pace: f32,
 }
 
 impl Twin {
-    /// The model of a vehicle on the ground of these maps, of which that of heights has at least 2 × 2 samples. Its hull is lower than the
-    /// vehicle's by `margin`, m at full scale: for ground that is a little different, or met a little differently.
+    /// Builds the model of a vehicle on the terrain of these maps; the elevation map has at least 2 × 2 samples.
+    /// `margin` lowers the hull, m at full scale, to allow for errors of terrain and motion.
     #[must_use]
     pub fn new(map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle, margin: f64) -> Self {
         Self {
@@ -111,12 +112,12 @@ impl Twin {
         }
     }
 
-    /// From now on the ground is that of these maps. How deep it has been found to be stays.
+    /// Replaces the maps; depth estimates remain.
     pub(crate) fn see(&mut self, map: &HeightMap, kinds: Option<&LabelMap>, vehicle: &Vehicle) {
         self.ground = self.ground.of(map, kinds, vehicle);
     }
 
-    /// The state in which every vehicle is as observed, with this integral of the speed controller.
+    /// The observed state, equal for all vehicles, with this integral of the speed controller.
     ///
     /// # Errors
     /// Returns an error if the observation has no pose.
@@ -142,11 +143,7 @@ impl Twin {
                 .max(all(drive::IDLE))
                 .min(all(drive::GOVERNED[1])),
             integral: one(integral),
-            gear: all(match o.gear {
-                Gear::Forward => 1.0,
-                Gear::Neutral => 0.0,
-                Gear::Reverse => -1.0,
-            }),
+            gear: one(o.gear.direction()),
             x: [0.0; LANES],
             y: [0.0; LANES],
             cos: [0.0; LANES],
@@ -170,19 +167,19 @@ impl Twin {
         Ok(s)
     }
 
-    /// How the first of the vehicles moves: the velocity of its reference point (m/s) and its angular velocity (rad/s), body axes.
+    /// Velocity of the reference point (m/s) and angular velocity (rad/s) of the first vehicle, body axes.
     #[must_use]
     pub fn motion(&self, s: &State) -> [f64; 6] {
         let v = s.axes().within(s.velocity) + s.rotation.cross(V3::all(self.shape.centre)) * all(-1.0);
         [v.x, v.y, v.z, s.rotation.x, s.rotation.y, s.rotation.z].map(|c| f64::from(c.to_array()[0]))
     }
 
-    /// Whether the gearbox changes its direction at a speed, m/s.
+    /// Whether the gearbox changes direction at a speed, m/s.
     pub(crate) fn is_slow(&self, speed: f64) -> bool {
         (speed as f32).abs() < self.shape.change_speed
     }
 
-    /// What ground is under the wheels.
+    /// The terrain properties under the wheels.
     fn look(&self, s: &mut State) {
         let axes = s.axes();
         for (i, w) in s.wheels.iter_mut().enumerate() {
@@ -199,7 +196,7 @@ impl Twin {
         }
     }
 
-    /// What costs ask for.
+    /// Updates the outputs that costs use.
     fn tell(&self, s: &mut State) {
         let axes = s.axes();
         let reference = s.place + axes.out(V3::all(self.shape.centre)) * all(-1.0);
@@ -213,7 +210,7 @@ impl Twin {
         s.borne = (s.hull * all(1.0 / (GRAVITY * self.shape.mass))).to_array();
     }
 
-    /// What the driver does for a speed (m/s, negative in reverse) in the time `dt`, s.
+    /// Driver commands for a target speed (m/s, negative in reverse) over the time `dt`, s.
     fn controls(&self, s: &mut State, steering: f32x8, target: f32x8, dt: f32) -> Controls {
         let (zero, one) = (all(0.0), all(1.0));
         let speed = f32x8::from(s.speed);
@@ -228,19 +225,19 @@ impl Twin {
         let wanted = error * all(GAINS[0]) + integral;
         let moves = wanted.abs().simd_le(one) | (wanted * error).simd_lt(zero);
         s.integral = engaged.select(moves.select(integral, s.integral), zero);
-        // Who wants to go the other way brakes first.
+        // A change of direction brakes first.
         let pedal = engaged.select(within(wanted, one), slow.select(zero, -one));
         Controls { steering, pedal, way }
     }
 
-    /// A step of `dt` s, in which wheels look at the ground or rely on what they saw.
+    /// A step of `dt` s, with or without a contact search of the wheels.
     fn step_once(&self, s: &mut State, c: &Controls, contacts: &mut [Contact; WHEELS], looks: bool, dt: f32) {
         let body = s.body();
         let mut push = Push::weight(self.shape.mass);
         s.steering += within(c.steering - s.steering, all(self.shape.steer_rate * dt));
         let angle = s.steering * all(self.shape.steer);
         let square = angle * angle;
-        // To the fourth and the fifth order, which is exact to 0.0004 at 35 degrees.
+        // To the fourth and the fifth order, exact to 0.0004 at 35 degrees.
         let cos = all(1.0) - square * (all(0.5) - square * all(1.0 / 24.0));
         let sin = angle * (all(1.0) - square * (all(1.0 / 6.0) - square * all(1.0 / 120.0)));
         let (forward, left) = (body.axes.forward, body.axes.left);
@@ -263,12 +260,12 @@ impl Twin {
 impl Model<2> for Twin {
     type State = State;
 
-    /// Commands are the steering and the speed, m/s, which is negative in reverse.
+    /// Commands are the steering and the speed, m/s, negative in reverse.
     fn step(&self, s: &mut State, [steering, target]: &[Lanes; 2], dt: f32) {
         self.look(s);
         let controls = self.controls(s, f32x8::from(*steering), f32x8::from(*target), dt);
         let (part, mut contacts) = (dt / STEPS as f32, [Contact::default(); WHEELS]);
-        // Forces are those of the middle of a step, so that it is exact to the second order (Störmer and Verlet).
+        // Forces at the middle of a step, for second-order accuracy (Störmer–Verlet).
         s.drift(0.5 * part);
         for k in 0..STEPS {
             self.step_once(s, &controls, &mut contacts, k.is_multiple_of(LOOKS), part);

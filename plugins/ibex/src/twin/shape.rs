@@ -1,5 +1,6 @@
-//! The vehicle's measures. A planner is told of its size and mass; what it isn't told is the HMMWV's (`tasks/vehicles/hmmwv.yaml`) in
-//! proportion: lengths to wheelbase, track or radius of the wheels, forces to the weight, and times by Froude's rule.
+//! Vehicle parameters. Planners receive size and mass; other values scale those of the HMMWV
+//! (`tasks/vehicles/hmmwv.yaml`): lengths with wheelbase, track or wheel radius, forces with the weight, and times by
+//! Froude scaling.
 
 use vb_sdk::Vehicle;
 use wide::f32x8;
@@ -8,27 +9,28 @@ use super::contact::Outline;
 use super::vector::{V3, all};
 use super::{GRAVITY, WHEELS};
 
-/// The wheelbase of the HMMWV, m, which is full scale.
+/// The wheelbase at full scale, m: that of the HMMWV.
 const FULL: f32 = 3.302;
-/// The hull's lower side: the belly, which are the frame rails, from front to rear in half wheelbases, its half width in half tracks and
-/// its height above the lowest point, the differentials, in clearances (found on training worlds: 0.12 by the drawing); and how far the ends (bumpers) and the sides (rocker panels) are
-/// out (in half lengths and half tracks) and above the belly (in clearances).
+/// The hull's underside. The belly (frame rails): front and rear ends in half wheelbases, half width in half tracks,
+/// and height above the lowest point (differentials) in ground clearances (fitted on training worlds; 0.12 in the
+/// drawing). The ends (bumpers) and sides (rocker panels): extent in half lengths and half tracks, and height above the
+/// belly in ground clearances.
 const BELLY: ([f32; 2], f32, f32) = ([0.73, -0.73], 0.46, 0.2);
 const ENDS: (f32, f32) = (1.0, 0.34);
 const SIDES: (f32, f32) = (1.10, 0.315);
-/// The deflection of a tyre under its share of the weight, in radii.
+/// Static deflection of a tyre, in radii.
 const FLATTENED: f32 = 0.083;
-/// How much less than a bicycle with the wheels' mean angle the vehicle turns, as it was found on training worlds.
+/// Yaw rate relative to a bicycle with the mean wheel angle, fitted on training worlds.
 const TURNS: f32 = 0.93;
-/// Corners of the belly and of the lower edges of both ends, and points in the middle of the belly's sides.
+/// Corners of the belly and of the lower edges of both ends, and midpoints of the belly's sides.
 const HULL: usize = 10;
-/// Planes that the hull's lower side consists of: the belly, the ends, the sides.
+/// Planes of the hull's underside: belly, ends and sides.
 const PLANES: usize = 5;
 
-/// A plane of the hull's lower side.
+/// A plane of the hull's underside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
-    /// How it rises ahead and to the left.
+    /// Slopes forward and to the left.
     pub(super) slopes: [f32; 2],
     /// Its height at the centre of mass, m.
     pub(super) height: f32,
@@ -36,62 +38,62 @@ pub(super) struct Plane {
     pub(super) normal: [f32; 3],
 }
 
-/// A vehicle. Unless it says otherwise, values are SI, and pairs are of the front and the rear axle.
+/// A vehicle. Values are SI, and pairs are for front and rear axle, unless stated otherwise.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub(super) mass: f32,
-    /// The centre of mass, from the reference point.
+    /// The centre of mass, relative to the reference point.
     pub(super) centre: [f32; 3],
     /// Moments of inertia, body axes.
     pub(super) inertia: [f32; 3],
     /// Half of the wheelbase and half of the track.
     half: [f32; 2],
     pub(super) radius: f32,
-    /// The root of the scale that lengths of the vehicle have over those of the HMMWV, which times have.
+    /// Root of the length scale relative to the HMMWV, the factor of times.
     pub(super) root: f32,
-    /// What a wheel bears on flat ground.
+    /// Static load of a wheel on flat terrain.
     pub(super) share: [f32; 2],
-    /// The travel at which it does.
+    /// Suspension travel at that load.
     pub(super) rest: [f32; 2],
     pub(super) spring: [f32; 2],
     /// In compression and in rebound.
     pub(super) damper: [[f32; 2]; 2],
-    /// The travel at which stops are met, their stiffness, and the greatest travel.
+    /// Travel at which the stops engage, their stiffness, and the maximum travel.
     pub(super) stop: f32,
     pub(super) stiff: f32,
     pub(super) travel: f32,
-    /// The radial stiffness of a tyre, and its damping.
+    /// Radial stiffness and damping of a tyre.
     pub(super) tyre: f32,
     pub(super) tyre_damper: f32,
     /// The circumference of a wheel.
     pub(super) outline: Outline,
     /// The moment of inertia of a wheel.
     pub(super) spin: f32,
-    /// The angle by which a bicycle would steer that turns as the vehicle does at full lock.
+    /// Steering angle of a bicycle with the vehicle's turning circle at full lock.
     pub(super) steer: f32,
     pub(super) steer_rate: f32,
-    /// The time of a change between forward and reverse, and the speed below which it begins.
+    /// Duration of a change between forward and reverse, and the maximum speed at which it begins.
     pub(super) change: f32,
     pub(super) change_speed: f32,
-    /// The weight times the radius, in which torques are told.
+    /// Weight times wheel radius, the unit of torques.
     pub(super) arm: f32,
-    /// The greatest torque of the brake of a wheel.
+    /// Maximum brake torque of a wheel.
     pub(super) brake: f32,
-    /// The torque of a wheel by a difference of spins of 1 rad/s: between the axles, and between the sides. The steps are too long for
-    /// stiffer locks.
+    /// Wheel torque per speed difference of 1 rad/s: between the axles, and between the sides. The step length does not
+    /// allow stiffer locks.
     pub(super) clutch: [f32; 2],
-    /// The stiffness of hull on ground.
+    /// Contact stiffness of the hull.
     pub(super) hard: f32,
-    /// Points of the hull, from the centre of mass, body axes.
+    /// Points of the hull, relative to the centre of mass, body axes.
     pub(super) hull: [[f32; 3]; HULL],
-    /// The hull's lower side, which at each place is the highest of these planes.
+    /// The hull's underside: the maximum of these planes at each position.
     pub(super) under: [Plane; PLANES],
-    /// How far the hull reaches from the centre of mass: ahead, behind (negative) and aside.
+    /// Extent of the hull from the centre of mass: ahead, behind (negative) and to the side.
     pub(super) reach: [f32; 3],
 }
 
 impl Shape {
-    /// The vehicle, with a hull that is lower than its own by `margin`, m at full scale.
+    /// Builds the vehicle with the hull lowered by `margin`, m at full scale.
     pub(super) fn of(v: &Vehicle, margin: f32) -> Self {
         let (mass, base, track) = (v.mass as f32, v.wheelbase as f32, v.track as f32);
         let (radius, clearance) = (v.wheel_radius as f32, v.ground_clearance as f32);
@@ -101,7 +103,7 @@ impl Shape {
         let weight = mass * GRAVITY;
         let (quarter, arm) = (weight / WHEELS as f32, weight * radius);
         let ahead = centre[0] / half[0];
-        // The belly at rest on flat ground, where tyres are flattened by some 8 %, from the centre of mass.
+        // Height of the belly at rest on flat terrain, with tyres deflected by 8 %, relative to the centre of mass.
         let bottom = (1.0 + BELLY.2) * clearance - (1.0 - FLATTENED) * radius - centre[2] - margin * size;
         let ([front, rear], side) = (BELLY.0.map(|x| x * half[0] - centre[0]), BELLY.1 * half[1]);
         let (end, wide) = (ENDS.0 * 0.5 * v.length as f32, SIDES.0 * half[1]);
@@ -159,7 +161,8 @@ impl Shape {
         }
     }
 
-    /// The centre of a wheel with a travel, from the centre of mass, body axes. Wheels are counted front to rear, left before right.
+    /// The centre of a wheel at a suspension travel, relative to the centre of mass, body axes. Wheels are counted
+    /// front to rear, left before right.
     pub(super) fn hub(&self, wheel: usize, travel: f32x8) -> V3 {
         let [a, b] = self.half;
         let x = if wheel < 2 { a } else { -a };

@@ -1,29 +1,29 @@
-//! How deep wheels sink, and how deep they are found to have sunk.
+//! Wheel sinkage, and its estimation.
 
 use wide::f32x8;
 
 use super::vector::{V3, all};
 use super::{State, Twin, WHEELS, Wheel};
 
-/// The times in which a wheel sinks under more load and rises under less, s at full scale, as they were found on training worlds.
+/// Time constants of increasing and decreasing sinkage, s at full scale, fitted on training worlds.
 const SINKING: [f32; 2] = [0.1, 0.2];
-/// The parts of its share of the weight that a wheel must bear to tell how deep it sinks.
+/// Range of wheel loads, relative to the static load, at which sinkage is estimated.
 const TELLING: [f32; 2] = [0.4, 2.0];
-/// How much of what a wheel tells is believed, while the vehicle stands at the start and later.
+/// Gains of the estimate: while the vehicle stands at the start, and later.
 const BELIEF: [f32; 2] = [0.3, 0.05];
-/// The time for which it stands, s at full scale.
+/// Duration of standing at the start, s at full scale.
 const START: f64 = 0.5;
-/// The most by which a wheel is found deeper than it was thought to be.
+/// Maximum ratio of observed to expected sinkage, and maximum load ratio.
 const MOST: f32 = 4.0;
 
-/// How much deeper a wheel sinks under so many times its share of the weight: by Bekker's law with the exponent 1.1, the load rises with
-/// the sinkage to the power of 1.6.
+/// Sinkage ratio at a load ratio: in Bekker's law with the exponent 1.1, the load increases with the sinkage to the
+/// power 1.6.
 fn deeper(part: f32x8) -> f32x8 {
     let root = part.sqrt();
     root * root.sqrt().sqrt()
 }
 
-/// How deep a wheel is that bears so many times its share, a moment later.
+/// Sinkage of a wheel under a load ratio after a time step.
 pub(super) fn sinks(w: &Wheel, part: f32x8, time: f32) -> f32x8 {
     if !w.depth.simd_gt(all(0.0)).any() {
         return all(0.0);
@@ -34,7 +34,7 @@ pub(super) fn sinks(w: &Wheel, part: f32x8, time: f32) -> f32x8 {
 }
 
 impl Twin {
-    /// How deep a wheel has sunk, m, by where it is, and how many times its share it bears, by its spring.
+    /// Sinkage of a wheel (m) from its position, and its load ratio from its spring.
     pub(super) fn sinkage(&self, i: usize, w: &Wheel, s: &State) -> (f32x8, f32x8) {
         let shape = &self.shape;
         let axes = s.axes();
@@ -46,7 +46,7 @@ impl Twin {
         ((depth - load * all(1.0 / shape.tyre)).max(all(0.0)), load * all(1.0 / shape.share[rear]))
     }
 
-    /// Learns how deep wheels sink into what they stand on, by the state as observed at a time (s).
+    /// Updates the depth estimates from the observed state at a time (s).
     pub fn learn(&mut self, s: &State, time: f64) {
         let belief = BELIEF[usize::from(time > START * f64::from(self.shape.root))];
         for i in 0..WHEELS {

@@ -1,13 +1,13 @@
-//! What the twin does on ground of which theory says what a vehicle does there.
+//! Compares the internal forward model with theory.
 
 use super::*;
 use vb_sdk::{GridFrame, Map, Pose, Vec3, Wheel as Told, math};
 
 pub(super) const GRAVEL: u8 = 4;
 const MUD: u8 = 7;
-/// The friction that gravel is taken to have.
+/// The assumed friction of gravel.
 const FRICTION: f64 = 0.55;
-/// The height of the reference point on flat ground, m: tyres are flattened by 8 % of the radius.
+/// Height of the reference point on flat terrain, m: tyres deflect by 8 % of the radius.
 const REST: f64 = 0.428;
 
 fn hmmwv() -> Vehicle {
@@ -42,7 +42,7 @@ pub(super) fn twin(kind: u8, height: impl Fn(f64, f64) -> f64) -> Twin {
     Twin::new(&Map { frame, data: heights.collect() }, Some(&kinds), &hmmwv(), 0.0)
 }
 
-/// At rest in the middle, this high above the ground there and this far nose up.
+/// At rest in the middle, at this height above the terrain and this pitch (positive nose up).
 fn standing(height: f64, rise: f64, speed: f64) -> Observation {
     let pose = Pose {
         position: Vec3 { x: 0.0, y: 0.0, z: height },
@@ -95,12 +95,12 @@ fn it_keeps_speeds_both_ways_and_turns_as_a_bicycle_does() {
     let mut s = twin.state(&standing(REST, 0.0, 2.0), 0.0).unwrap();
     drive(&twin, &mut s, 1.0, 2.0, 3.0);
     let rate = f64::from(s.rotation.z.to_array()[0]);
-    // The yaw rate of a bicycle is v tan δ / L; tyres slip by some per cent.
+    // The yaw rate of a bicycle is v tan δ / L; tyres slip by a few per cent.
     let bicycle = f64::from(s.speed[0]) * math::tan(f64::from(twin.shape.steer)) / 3.302;
     assert!((rate / bicycle - 1.0).abs() < 0.15, "{rate} for {bicycle}");
 }
 
-/// No vehicle with four driven wheels climbs more than the angle of friction, and brakes hold on less.
+/// No vehicle with four driven wheels climbs more than the friction angle, and brakes hold on lower slopes.
 #[test]
 fn it_climbs_a_slope_below_the_angle_of_friction_and_none_above() {
     for (part, climbs) in [(0.6, true), (1.25, false)] {
@@ -126,7 +126,7 @@ fn a_ridge_below_its_belly_holds_a_slow_vehicle() {
     assert!(free.x[0] > 5.0 && free.borne[0] == 0.0, "{} {}", free.x[0], free.borne[0]);
 }
 
-/// Bekker's law: wheels that are found twice as deep are in softer soil, in which they will be as deep again, and meet more resistance.
+/// Bekker's law: wheels observed at twice the sinkage are in softer soil, sink as deep again, and meet more resistance.
 #[test]
 fn what_soil_is_like_is_learned_from_how_deep_wheels_are() {
     let mut twin = twin(MUD, |_, _| 0.0);
@@ -170,7 +170,8 @@ fn vehicles_side_by_side_know_nothing_of_each_other() {
     }
 }
 
-/// Wherever it is and however it lies, also beyond the map, on its roof and in the ground, it stays finite.
+/// The state remains finite at any position and attitude, including outside the map, on the roof and inside the
+/// terrain.
 #[test]
 fn nothing_makes_it_diverge() {
     let twin = twin(GRAVEL, |x, y| 1.5 * math::sin(0.7 * x) * math::sin(0.8 * y));
@@ -216,7 +217,7 @@ fn small_maps_and_maps_of_other_scales_are_driven_on() {
         for _ in 0..40 {
             twin.step(&mut s, &[[0.0; LANES], [(3.0 * root) as f32; LANES]], (0.1 * root) as f32);
         }
-        // As far as Froude's rule has it.
+        // In accordance with Froude scaling.
         let way = f64::from(s.x[0]) / scale;
         assert!((way - 10.0).abs() < 1.5, "{nodes} {resolution} {scale}: {way}");
     }

@@ -1,4 +1,4 @@
-//! Vectors and attitudes of which each component is a number for each of [`LANES`](vb_sdk::mppi::LANES) vehicles.
+//! Vectors and attitudes with one number per component for each of [`LANES`](vb_sdk::mppi::LANES) vehicles.
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 
@@ -10,7 +10,7 @@ pub(super) fn all(value: f32) -> f32x8 {
     f32x8::splat(value)
 }
 
-/// A number within -`most` and `most`.
+/// Clamps a number to ±`most`.
 pub(super) fn within(value: f32x8, most: f32x8) -> f32x8 {
     value.max(-most).min(most)
 }
@@ -68,10 +68,10 @@ impl AddAssign for V3 {
     }
 }
 
-/// An attitude as a unit quaternion: its scalar, then its vector.
+/// An attitude as a unit quaternion: scalar, then vector.
 pub(super) type Quaternion = [f32x8; 4];
 
-/// The attitude of these angles (rad): the heading first, then the pitch (positive nose down), then the roll (positive right side
+/// The attitude with these angles (rad): heading first, then pitch (positive nose down), then roll (positive right side
 /// down).
 pub(super) fn attitude(roll: f64, pitch: f64, yaw: f64) -> Quaternion {
     let half = |angle: f64| math::sin_cos(0.5 * angle);
@@ -85,7 +85,7 @@ pub(super) fn attitude(roll: f64, pitch: f64, yaw: f64) -> Quaternion {
     .map(|v| all(v as f32))
 }
 
-/// An attitude after it has turned by a small angle (rad, body axes).
+/// An attitude rotated by a small angle (rad, body axes).
 pub(super) fn turned([a, b, c, d]: Quaternion, angle: V3) -> Quaternion {
     let w = angle * all(0.5);
     let q = [
@@ -98,7 +98,7 @@ pub(super) fn turned([a, b, c, d]: Quaternion, angle: V3) -> Quaternion {
     q.map(|v| v / length)
 }
 
-/// The unit vectors forward, to the left and up of a body, in the world.
+/// The unit vectors forward, left and up of a body, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axes {
     pub(super) forward: V3,
@@ -119,12 +119,12 @@ impl Axes {
         }
     }
 
-    /// A vector of the body in the world.
+    /// Transforms a vector from body to world axes.
     pub(super) fn out(&self, v: V3) -> V3 {
         self.forward * v.x + self.left * v.y + self.up * v.z
     }
 
-    /// A vector of the world in the body.
+    /// Transforms a vector from world to body axes.
     pub(super) fn within(&self, v: V3) -> V3 {
         V3::new(v.dot(self.forward), v.dot(self.left), v.dot(self.up))
     }

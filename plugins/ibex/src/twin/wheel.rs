@@ -1,4 +1,4 @@
-//! What wheels do: springs and tyres.
+//! Wheels: springs and tyres.
 
 use wide::f32x8;
 
@@ -9,59 +9,61 @@ use super::soil::sinks;
 use super::vector::{V3, all, within};
 use super::{GRAVITY, Twin};
 
-/// Slip stiffness along and across, per unit load, and relaxation lengths in radii: those of the HMMWV's tyre.
+/// Longitudinal and lateral slip stiffness per unit load, and relaxation lengths in radii, of the HMMWV's tyre.
 const SLIP: [f32; 2] = [17.8, 7.4];
 const RELAXATION: [f32; 2] = [0.5, 1.0];
-/// The part of the vehicle that a wheel's friction moves is a quarter of it.
+/// Ratio of vehicle mass to the mass that the friction of one wheel moves.
 const MOVED: f32 = 4.0;
-/// How far a contact lies beside the wheel's middle at most, in radii: the radius of gyration of the HMMWV's tread across.
+/// Maximum lateral offset of a contact from the wheel's centre plane, in radii: the radius of gyration of the HMMWV's
+/// tread width.
 const STRIP: f32 = 0.157;
-/// How far the tread of the front and of the rear wheels moves outwards as a wheel rises, per travel. It turns about the point where the
-/// lines through the HMMWV's wishbones meet: so rough ground pushes wheels aside, and forces across press on springs.
+/// Lateral tread displacement of the front and rear wheels per suspension travel. The tread rotates about the instant
+/// centre of the HMMWV's wishbones: rough terrain pushes wheels sideways, and lateral forces load springs.
 const SCRUB: [f32; 2] = [0.34, 0.44];
-/// Weights of the vehicle that a wheel bears at most.
+/// Maximum load of a wheel, in vehicle weights.
 const MOST: f32 = 5.0;
 /// Rolling resistance, per unit load.
 const ROLLING: f32 = 0.015;
-/// Rear wheels follow in ruts, which resist with this part of what the front wheels overcome.
+/// Resistance of the front wheels, and that of the rear wheels in their ruts relative to it.
 const RUTS: [f32; 2] = [1.0, 0.53];
-/// The speed below which resistances end, m/s at full scale.
+/// Speed below which resistances fade out, m/s at full scale.
 const SLOW: f32 = 0.3;
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wheel {
     /// The suspension travel from the design position, m, positive in compression.
     pub(super) travel: f32x8,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub(super) spin: f32x8,
-    /// How deep it has sunk into soil, m.
+    /// Sinkage in soil, m.
     pub(super) sunk: f32x8,
-    /// How far the tread is dragged over the ground, along and across, m.
+    /// Deflection of the tread, longitudinal and lateral, m.
     pub(super) drag: [f32x8; 2],
-    /// The force on the tread to the left, N.
+    /// Lateral force on the tread, positive to the left, N.
     pub(super) side: f32x8,
-    /// The friction of the ground under it.
+    /// Friction coefficient of the terrain under it.
     pub(super) friction: f32x8,
-    /// The depth to which it sinks under its share of the weight, m.
+    /// Sinkage under its static load, m.
     pub(super) depth: f32x8,
-    /// What resists as that ground is compacted, over the load and the root of the sinkage in diameters.
+    /// Compaction resistance over load and root of the sinkage in diameters.
     pub(super) compaction: f32x8,
 }
 
-/// What a wheel is given in a step.
+/// Inputs of a wheel in a step.
 pub(super) struct Given {
-    /// Ahead and to the left.
+    /// Forward and left directions.
     pub(super) directions: [V3; 2],
-    /// N m.
+    /// Drive torque, N m.
     pub(super) torque: f32x8,
-    /// The most that the brake resists with, N m.
+    /// Maximum brake torque, N m.
     pub(super) brakes: f32x8,
-    /// Whether the contact is looked up anew. Else it is where the motion has brought it since.
+    /// Whether the contact is searched again; otherwise it is extrapolated from the motion.
     pub(super) looks: bool,
 }
 
 impl Twin {
-    /// The forces of a wheel on the body; the wheel keeps what it remembers. By how much it spins up if nothing turns with it, rad/s.
+    /// Adds the forces of a wheel to the body, and updates the wheel. Returns the change of spin without connected
+    /// shafts, rad/s.
     pub(super) fn roll(
         &self,
         (i, w): (usize, &mut Wheel),
@@ -89,7 +91,7 @@ impl Twin {
         let (load, change) = self.bear(rear, w, pressed, outward * w.side, dt);
         contact.depth -= change * frame.cosine;
 
-        // Ground that is inclined along the axle presses on the tread's side.
+        // Terrain that is inclined along the axle presses on the side of the tread.
         let beside = all(STRIP * STRIP) * contact.aside * r / (contact.depth / r).max(all(1e-4));
         let beside = within(beside, all(STRIP) * r);
         let arm = at + frame.radial * (contact.depth.max(zero) - r) + axle * beside;
@@ -109,8 +111,8 @@ impl Twin {
         all(dt / shape.spin) * (torque - r * drive)
     }
 
-    /// The load of a wheel whose tyre is deflected so deep (m), and by how much its travel changes. The wheel has no mass: spring, damper
-    /// and stops balance the tyre, and what presses on them besides (N).
+    /// Load of a wheel at this tyre deflection (m), and change of its travel. The wheel is massless: spring, damper and
+    /// stops balance the tyre and the additional force (N).
     fn bear(
         &self,
         rear: usize,
@@ -135,15 +137,16 @@ impl Twin {
         let after = within(w.travel + change, all(travel));
         let changed = after - w.travel;
         w.travel = after;
-        // The damper does no more than the spring, so that contacts begin and end without a jump.
+        // The damper force does not exceed the spring force, so that contacts begin and end continuously.
         let springs = elastic * (depth - change * cosine).max(zero);
         let resists = damping * (leaves + change * cosine * all(1.0 / dt));
         let load = (springs - within(resists, springs)).min(all(MOST * GRAVITY * mass));
         (load, changed)
     }
 
-    /// The forces of the tread along and across, N, where it moves over the ground with these speeds (m/s): a brush with relaxation
-    /// (Pacejka, "Tire and Vehicle Dynamics", 2012, eq. 3.11 and 7.8), implicit in what its own force does to wheel and vehicle.
+    /// Longitudinal and lateral tread forces, N, at these sliding velocities (m/s): a brush model with relaxation
+    /// (Pacejka, "Tire and Vehicle Dynamics", 2012, eq. 3.11 and 7.8), implicit in the response of wheel and vehicle to
+    /// the force itself.
     fn tread(
         &self,
         w: &mut Wheel,

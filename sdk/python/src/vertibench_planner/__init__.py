@@ -11,7 +11,7 @@ A planner is a class with ``init`` and ``step``::
 
     main(Stand)
 
-``vb-harness --plugin "python3 stand.py"`` runs it. Such a planner is not ranked, because its process is not confined.
+``vb-harness run "python3 stand.py"`` runs it. Such a planner is not ranked, because its process is not confined.
 
 Units are SI and angles radians. World frame: x east, y north, z up, origin at the world's centre. Body frame: x
 forward, y left, z up. Roll is positive with the right side down, pitch with the nose down, yaw counter-clockwise from

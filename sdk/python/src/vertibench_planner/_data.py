@@ -45,8 +45,8 @@ class Vehicle:
     min_turn_radius: float
     """The turning radius of the reference point at full lock on flat ground, m."""
     effective_track: float
-    """The track of a differential drive without slip that would turn as fast by the same speeds of the wheels, m, driving at
-    full lock; 0 for a vehicle that is not steered by the speeds of its sides."""
+    """The track of a slip-free differential drive with the same yaw rate at the same wheel speeds, at full lock, m; 0 for
+    a vehicle without skid steering."""
     turn_rate_in_place: float
     """The yaw rate at full lock without throttle at standstill, rad/s; 0 for a vehicle that can't turn in place."""
     max_speed: float
@@ -112,12 +112,12 @@ class LidarInfo(LidarInfoMethods):
     """The spinning lidar of the vehicle."""
 
     period: float
-    """The duration of a turn, which is the interval between scans, s."""
+    """The duration of a scan, which is one revolution, s."""
     rows: int
     """The number of beams: the rows of a scan, lowest first."""
     cols: int
-    """The number of directions per turn: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π / ``cols`` in
-    the sensor's frame, counter-clockwise from straight ahead."""
+    """The number of directions per revolution: the columns of a scan. Column c has the azimuth −π + (c + 1/2) · 2π /
+    ``cols`` in the sensor's frame, counter-clockwise from straight ahead."""
     lowest: float
     """The elevation angle of the lowest beam above the sensor's horizon, rad."""
     highest: float
@@ -127,7 +127,7 @@ class LidarInfo(LidarInfoMethods):
     max_range: float
     """The maximum measured distance, m."""
     mount: Mount
-    """The place of the sensor on the vehicle."""
+    """The pose of the sensor on the vehicle."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -162,7 +162,7 @@ class DepthInfo:
     labels: bool
     """Whether the images have a label for each pixel."""
     mount: Mount
-    """The place of the sensor on the vehicle."""
+    """The pose of the sensor on the vehicle."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -187,7 +187,7 @@ class Task(TaskMethods):
     vehicle: Vehicle
     """The vehicle."""
     elevation: Optional[Grid]
-    """The heights of the ground that the perception profile provides, m; absent if it provides none."""
+    """The terrain heights that the perception profile provides, m; absent if it provides none."""
     semantics: Optional[Grid]
     """The terrain classes that the perception profile provides: 0 clay, 1 concrete, 2 dirt, 3 grass, 4 gravel, 5 rock,
     6 wood, 7 mud, 8 sand, 9 snow; absent if it provides none."""
@@ -328,10 +328,10 @@ class GnssFix:
 
 @dataclass
 class LidarScan:
-    """A turn of the lidar."""
+    """A scan of the lidar: one revolution."""
 
     time: float
-    """The simulated time at which the turn ended, s. Column c was measured (1 − (c + 1/2) / ``cols``) · ``period`` before,
+    """The simulated time at the end of the scan, s. Column c was measured (1 − (c + 1/2) / ``cols``) · ``period`` before,
     while the vehicle moved."""
     ranges: np.ndarray
     """The ``rows`` · ``cols`` measured distances, m, row-major; 0 without an echo."""
@@ -367,17 +367,17 @@ class DepthImage:
 
 @dataclass
 class LocalMap:
-    """The map of the vehicle's surroundings, built from lidar and depth camera at the estimated pose. The vehicle is in its
-    middle, and its axes are those of the world frame, up to the error of the estimate."""
+    """The local map, built from lidar and depth camera at the estimated pose. The vehicle is at its centre, and its axes
+    are those of the world frame, up to the error of the estimate."""
 
     time: float
     """The simulated time of the last update, s."""
     elevation: Grid
-    """The heights of the ground, m; NaN where they are unknown."""
+    """The terrain heights, m; NaN for unknown cells."""
     semantics: Grid
-    """The terrain classes, with the numbers of the task's ``semantics``; 255 where they are unknown."""
+    """The terrain classes, with the numbers of the task's ``semantics``; 255 for unknown cells."""
     occupancy: Grid
-    """1 for obstacles, 0 for ground, 255 where it is unknown."""
+    """1 for obstacles, 0 for free cells, 255 for unknown cells."""
 
     @classmethod
     def _from_wire(cls, wire):
@@ -405,17 +405,17 @@ class Observation:
     gnss: Optional[GnssFix]
     """The last GNSS position (``gnss``)."""
     lidar: Optional[LidarScan]
-    """The last turn of the lidar (``lidar``)."""
+    """The last scan of the lidar (``lidar``)."""
     depth: Optional[DepthImage]
     """The last image of the depth camera (``depth``)."""
     local_map: Optional[LocalMap]
-    """The map of the surroundings (``local-map``)."""
+    """The local map (``local-map``)."""
     gear: str
     """The engaged gear; neutral during a change of direction."""
     engine_speed: float
     """The engine speed, rad/s."""
     steering: float
-    """The present steering of the wheels, which follows the command at ``max_steer_rate``, in [-1, 1], positive to the left."""
+    """The current wheel steering, which follows the command at ``max_steer_rate``, in [-1, 1], positive to the left."""
     last_steering: float
     """The steering command applied until now, after clamping; 0 at first."""
     last_throttle: float

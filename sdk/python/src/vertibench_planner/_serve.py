@@ -101,7 +101,7 @@ def main(planner):
         SystemExit: If standard input is a terminal, i.e. the program was not started by the harness.
     """
     if sys.stdin.isatty():
-        sys.exit(f'this is a planner: start it by vb-harness --plugin "{sys.executable} {sys.argv[0]}"')
+        sys.exit(f'this is a planner: start it with vb-harness run "{sys.executable} {sys.argv[0]}"')
     reader = os.fdopen(os.dup(0), "rb")
     writer = os.fdopen(os.dup(1), "wb")
     with open(os.devnull, "rb") as nothing:

@@ -82,7 +82,7 @@ impl Curriculum {
             problem,
         };
         if tasks.is_empty() || environments == 0 {
-            let problem = "there must be a task and an environment at least".to_owned();
+            let problem = "at least one task and one environment are required".to_owned();
             return Err(flaw("tasks".to_owned(), problem));
         }
         let method = match &spec.method {
@@ -96,7 +96,7 @@ impl Curriculum {
                     }
                     let own: Vec<usize> = (0..tasks.len()).filter(|t| chosen.contains(&tasks[*t])).collect();
                     if own.is_empty() {
-                        return Err(field("none of the environment's tasks is in it".into()));
+                        return Err(field("it contains no task of the environment".into()));
                     }
                     Ok(own)
                 });
@@ -218,7 +218,7 @@ impl Curriculum {
         let tasks_differ = memory.tasks != self.memory.tasks;
         let is_counted = memory.drawn.iter().all(|drawn| *drawn <= MOST_DRAWN);
         if !fits || tasks_differ || !is_counted || memory.drawn.len() != self.memory.drawn.len() {
-            return Err(flaw("it is of another curriculum, or of other tasks or environments"));
+            return Err(flaw("it belongs to another curriculum, or to other tasks or environments"));
         }
         self.memory = memory;
         Ok(())

@@ -10,70 +10,70 @@ use vb_world::Selector;
 pub struct Spec {
     /// The name in lists and messages.
     pub name: String,
-    /// How the next task is chosen.
+    /// The rule that selects the next task.
     pub method: Method,
 }
 
-/// A rule by which tasks are drawn.
+/// A rule that samples tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
-    /// All tasks with the same probability.
+    /// Uniform sampling of all tasks.
     Uniform,
-    /// By stages, on which each environment goes up and down on its own.
+    /// Manual stages; each environment changes its stage independently.
     Manual(ManualSpec),
-    /// By p(1 − p), where p is the share of drives of a task that reach the goal.
+    /// Probability proportional to p(1 − p) with the success rate p of a task.
     Learnability(LearnabilitySpec),
-    /// By prioritised level replay.
+    /// Prioritised level replay.
     Replay(ReplaySpec),
 }
 
 /// Stages in a fixed order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ManualSpec {
-    /// The tasks of each stage: those that any of its selectors chooses.
+    /// The tasks of each stage: the union of its selectors.
     pub stages: Vec<Vec<Selector>>,
-    /// When an environment changes its stage.
+    /// The conditions of a change of the stage.
     pub rule: StageRule,
 }
 
-/// When an environment leaves its stage.
+/// The conditions under which an environment changes its stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageRule {
-    /// Episodes of an environment at its stage after which it is decided whether it stays.
+    /// Episodes of an environment at its stage before it may change the stage.
     pub window: u32,
-    /// The share of successes from which it goes up.
+    /// The success rate at or above which it advances.
     pub promote: f64,
-    /// The share of successes up to which it goes down.
+    /// The success rate at or below which it falls back.
     pub demote: f64,
-    /// The share of episodes that are drawn from earlier stages.
+    /// The fraction of episodes sampled from earlier stages.
     pub review: f64,
 }
 
 /// Sampling for learnability, p(1 − p).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearnabilitySpec {
-    /// The share of episodes that are drawn from all tasks alike.
+    /// The fraction of episodes sampled uniformly from all tasks.
     pub explore: f64,
-    /// What an outcome of a task still counts when the next one is there.
+    /// The decay of an outcome's weight with each later outcome of the task.
     pub keep: f64,
-    /// The same of outcomes of all tasks of a level.
+    /// The same for outcomes of all tasks of a level.
     pub keep_level: f64,
-    /// How many outcomes of a task weigh as much as those of its level.
+    /// The number of a task's outcomes that weigh as much as those of its level.
     pub prior: f64,
 }
 
 /// Prioritised level replay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReplaySpec {
-    /// The chance of a task that was driven before.
+    /// The probability of selecting a task seen before.
     pub replay: f64,
-    /// The share of all tasks that must have been driven before one is driven again.
+    /// The fraction of all tasks that must have been seen before one is repeated.
     pub seen: f64,
-    /// How much of the old score a new one leaves.
+    /// The weight of the previous score.
     pub keep: f64,
     /// The temperature of the ranks by score.
     pub temperature: f64,
-    /// The part of the chance that goes by how long ago a task was driven.
+    /// The fraction of the probability that depends on the time since a task was last run.
     pub staleness: f64,
 }
 
@@ -86,37 +86,38 @@ pub struct File {
     #[serde(default)]
     #[allow(dead_code, reason = "for readers of the file")]
     description: String,
-    /// The rule that chooses the next task. Each other field belongs to one kind and is required there.
+    /// The rule that selects the next task. Each other field belongs to one kind and is required there.
     kind: Kind,
     /// `manual`: the tasks of each stage, in order.
     stages: Option<Vec<Stage>>,
     /// `manual`: the episodes of an environment at a stage after which it may change the stage.
     window: Option<u32>,
-    /// `manual`: the success rate in the window from which an environment moves up.
+    /// `manual`: the success rate in the window at or above which an environment advances.
     promote: Option<f64>,
-    /// `manual`: the success rate in the window down to which an environment moves down.
+    /// `manual`: the success rate in the window at or below which an environment falls back.
     demote: Option<f64>,
     /// `manual`: the fraction of episodes from earlier stages.
     review: Option<f64>,
     /// `learnability`: the fraction of episodes that are sampled uniformly from all tasks.
     explore: Option<f64>,
-    /// `learnability`: the factor on the weight of a task's earlier outcomes with each new one. `replay`: the weight of the old score.
+    /// `learnability`: the factor on the weight of a task's earlier outcomes with each new one. `replay`: the weight of
+    /// the previous score.
     keep: Option<f64>,
     /// `learnability`: the same factor for outcomes of all tasks of a level.
     keep_level: Option<f64>,
     /// `learnability`: the number of a task's outcomes that weigh as much as those of its level.
     prior: Option<f64>,
-    /// `replay`: the probability of a task that was driven before.
+    /// `replay`: the probability of selecting a task seen before.
     replay: Option<f64>,
-    /// `replay`: the fraction of all tasks that must have been driven before one is repeated.
+    /// `replay`: the fraction of all tasks that must have been seen before one is repeated.
     seen: Option<f64>,
     /// `replay`: the temperature of the ranks by score.
     temperature: Option<f64>,
-    /// `replay`: the weight of the time since a task was driven.
+    /// `replay`: the fraction of the probability that depends on the time since a task was last run.
     staleness: Option<f64>,
 }
 
-/// A selector, or several of which any chooses a task.
+/// A selector, or a list of selectors.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "want a selector, or a list of selectors")]
 enum Stage {
@@ -131,7 +132,7 @@ impl Stage {
             Self::Several(texts) => texts,
         };
         if texts.is_empty() {
-            return Err("there must be a selector at least".into());
+            return Err("at least one selector is required".into());
         }
         texts.iter().map(|text| Selector::parse(text).map_err(|e| e.to_string())).collect()
     }
@@ -139,15 +140,15 @@ impl Stage {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-/// A rule that chooses tasks.
+/// A rule that selects tasks.
 enum Kind {
-    /// All tasks with the same probability.
+    /// Uniform sampling of all tasks.
     Uniform,
-    /// By stages, on which each environment moves up and down on its own.
+    /// Manual stages; each environment changes its stage independently.
     Manual,
-    /// Proportional to p(1 − p) with the success rate p of a task.
+    /// Probability proportional to p(1 − p) with the success rate p of a task.
     Learnability,
-    /// By prioritised level replay.
+    /// Prioritised level replay.
     Replay,
 }
 
@@ -189,7 +190,7 @@ impl File {
             Kind::Manual => {
                 let stages = self.stages.take().ok_or_else(|| Flaw::new("stages", "they are missing"))?;
                 if stages.is_empty() {
-                    return Err(Flaw::new("stages", "there must be one at least"));
+                    return Err(Flaw::new("stages", "at least one stage is required"));
                 }
                 let parse = |(k, stage): (usize, &Stage)| {
                     stage.parse().map_err(|e| Flaw::new(format!("stages[{k}]"), e))

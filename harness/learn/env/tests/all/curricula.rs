@@ -322,8 +322,8 @@ fn flaws_are_told_with_file_field_and_value() {
             "mine.yaml: demote: 0.8 must be less than promote, 0.75",
         ),
         (changed(MANUAL, "w002", "elevation=steep"), "mine.yaml: stages[1]: task selector"),
-        (changed(MANUAL, "[w001, w002, w003]", "[]"), "mine.yaml: stages: there must be one at least"),
-        (changed(MANUAL, "w002", "[]"), "mine.yaml: stages[1]: there must be a selector at least"),
+        (changed(MANUAL, "[w001, w002, w003]", "[]"), "mine.yaml: stages: at least one stage is required"),
+        (changed(MANUAL, "w002", "[]"), "mine.yaml: stages[1]: at least one selector is required"),
         (changed(MANUAL, "w002", "{a: b}"), "mine.yaml: stages[1]: want a selector, or a list of selectors"),
         (
             told("kind: uniform\nwindow: 3\n"),
@@ -337,7 +337,7 @@ fn flaws_are_told_with_file_field_and_value() {
     }
     let (suite, tasks) = smoke();
     let none = Curriculum::new(&of(MANUAL), &suite, &tasks[..10], 1, 0).unwrap_err().to_string();
-    assert_eq!(none, "mine: stages[1]: none of the environment's tasks is in it");
+    assert_eq!(none, "mine: stages[1]: it contains no task of the environment");
     let missing = Spec::resolve("nowhere.yaml").unwrap_err().to_string();
     assert!(missing.starts_with("cannot read curriculum nowhere.yaml: ") && missing.contains("learnability"));
 }

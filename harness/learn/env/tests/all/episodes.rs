@@ -223,12 +223,12 @@ fn forged_snapshots_are_refused_and_change_nothing() {
         assert_eq!(part(&env, 0), seen, "{told}");
         told
     };
-    assert!(refused(b"").starts_with("the state can't be read: it is no state"));
+    assert!(refused(b"").starts_with("the state can't be read: it is not a state"));
     assert!(refused(&vec![0; 17 << 20]).contains("at most 16777216 are read"));
     for end in 8..bytes.len() {
         refused(&bytes[..end]);
     }
-    assert!(refused(&[&bytes[..], b"x"].concat()).contains("bytes that no state has"));
+    assert!(refused(&[&bytes[..], b"x"].concat()).contains("invalid bytes"));
     // With another byte it is refused, or leads to the same state: the stream of later tasks may stand anywhere, and the vehicle doesn't
     // feel every action (steering within its delay). The hashes of options and states and the task bear no change.
     let texts = "vbstate1".len() + 1 + 2 + 64 + 1 + "w003/t02".len();

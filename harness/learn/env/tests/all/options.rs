@@ -17,9 +17,10 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     assert!(told(|o| o.control_hz = 30.0).starts_with("control_hz: 30: must be 100 over"));
     assert!(told(|o| o.control_hz = f64::NAN).starts_with("control_hz: NaN"));
     assert!(
-        told(|o| o.observation = vec!["hights".into()]).starts_with("observation: hights: there are state,")
+        told(|o| o.observation = vec!["hights".into()])
+            .starts_with("observation: hights: unknown part; parts: state,")
     );
-    assert!(told(|o| o.observation.clear()).contains("one part at least"));
+    assert!(told(|o| o.observation.clear()).contains("at least one part"));
     assert!(
         told(|o| o.sight = Sight { cells: 0, ..Sight::default() })
             .contains("sight: cells: 0 must lie in 2 to 256")
@@ -37,7 +38,7 @@ fn what_makes_no_sense_is_told_by_name_and_value() {
     let training = |seed: u64, worlds: u32| {
         refused(Options { suite: None, tasks: None, world_seed: seed, worlds, ..options() })
     };
-    assert!(training(1, 1).contains("seed 1: training worlds have a seed from 7000 to 7999"));
+    assert!(training(1, 1).contains("seed 1: training worlds need a seed from 7000 to 7999"));
     assert!(training(7000, 0).starts_with("worlds: 0: must lie in 1 to 1000"));
 }
 

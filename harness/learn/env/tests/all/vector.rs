@@ -141,10 +141,10 @@ fn what_is_wrong_is_told_before_anything_is_stepped() {
     wait(&mut env, 2);
     let told = |e: Result<(), EnvError>| e.unwrap_err().to_string();
     assert_eq!(told(env.send(&[2], &[0.0, 0.0])), "there is no environment 2: there are 2");
-    assert_eq!(told(env.send(&[1, 1], &[0.0; 4])), "environment 1 is named twice");
+    assert_eq!(told(env.send(&[1, 1], &[0.0; 4])), "environment 1 is given twice");
     assert_eq!(
         told(env.reset(vec![(0, Reset::default()), (0, Reset::default())])),
-        "environment 0 is named twice"
+        "environment 0 is given twice"
     );
     assert!(told(env.send(&[0, 1], &[0.0, 0.0])).contains("an action has 2 numbers"));
     assert!(told(env.send(&[0, 1], &[0.0, 0.0, 0.0, f64::INFINITY])).contains("action[1] (speed) is inf"));

@@ -1,30 +1,30 @@
-//! How a vehicle explores, as data: `tasks/exploration/*.yaml`.
+//! Rules of exploration, as data: `tasks/exploration/*.yaml`.
 
 use serde::{Deserialize, Serialize};
 use vb_files::document::{pair_within, within};
 use vb_files::{Document, Flaw, Schema};
 
-/// A way to explore. Lengths are those of the full-size world and are multiplied by a world's scale, times and speeds by
-/// its root.
+/// The distribution of exploration drives. Lengths are those of the full-size world and are multiplied by a world's
+/// scale, times and speeds by its square root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exploration {
     /// Version of the format.
     pub schema: Schema<1>,
-    /// The name of the file without its ending.
+    /// The name of the file without its extension.
     pub name: String,
-    /// A sentence on what it stands for.
+    /// A description in one sentence.
     #[serde(default)]
     pub description: String,
     pub steering: SteeringDraws,
     pub speed: SpeedDraws,
-    /// Driving backwards; if it is left out, the vehicle never does.
+    /// Driving in reverse; never if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reverse: Option<ReverseDraws>,
     pub start: StartDraws,
 }
 
-/// The draws of the steering: offset + amplitude · sin(2π · frequency · t + phase), within [-1, 1].
+/// The distribution of the steering: offset + amplitude · sin(2π · frequency · t + phase), within [-1, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SteeringDraws {
@@ -34,30 +34,30 @@ pub struct SteeringDraws {
     pub frequency_hz: [f64; 2],
     /// The minimum and the maximum offset, from -1 to 1.
     pub offset: [f64; 2],
-    /// The minimum and the maximum time between two draws, s.
+    /// The minimum and the maximum time between two samples, s.
     pub hold_s: [f64; 2],
 }
 
-/// The draws of the speed to aim at.
+/// The distribution of the target speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedDraws {
     /// The minimum and the maximum speed, m/s.
     pub range_m_per_s: [f64; 2],
-    /// The minimum and the maximum time between two draws, s.
+    /// The minimum and the maximum time between two samples, s.
     pub hold_s: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReverseDraws {
-    /// The probability that a draw of the speed is one in reverse.
+    /// The probability that a sampled speed is in reverse.
     pub probability: f64,
     /// The minimum and the maximum speed, m/s.
     pub range_m_per_s: [f64; 2],
 }
 
-/// The draws of the places where episodes start.
+/// The distribution of start poses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartDraws {

@@ -29,7 +29,7 @@ pub(super) fn named(
         let transmission = place(p.get("Transmission Input File"))?.or(whole);
         let given = [&out.engine, &out.transmission].into_iter().flatten().next().is_some();
         if given {
-            notes.chosen(format!("{}: other files than these, as given", p.at()));
+            notes.chosen(format!("{}: replaced by the given files", p.at()));
         }
         out.engine = out.engine.or(engine);
         out.transmission = out.transmission.or(transmission);

@@ -200,7 +200,7 @@ pub(crate) fn build(
         let most = 0.999 * (moments.iter().sum::<f64>() - moments[k]);
         if moments[k] > most {
             notes.approximated(format!(
-                "chassis.inertia[{k}]: {most:.2} kg m² instead of {:.2}, since no body has more than the sum of the other two",
+                "chassis.inertia[{k}]: {most:.2} kg m² instead of {:.2}, because no moment of inertia exceeds the sum of the other two",
                 moments[k]
             ));
             moments[k] = most;
@@ -213,7 +213,7 @@ pub(crate) fn build(
     hull.retain(|p| solid(p));
     if hull.is_empty() {
         hull = vec![plate(&axles, &draft.tyres)];
-        notes.assumed("chassis.hull: a block between the wheels, since the source has no collision shapes; replace it by the vehicle's");
+        notes.assumed("chassis.hull: a block between the wheels, because the source has no collision shapes; replace it by the vehicle's hull");
     }
     let friction = draft.friction.unwrap_or_else(|| {
         notes.assumed("chassis.friction: 0.4 (steel on rock fill, NAVFAC Design Manual 7.02, 1986)");
@@ -269,7 +269,7 @@ pub(crate) fn build(
     if let Some(s) = &mut spec.chassis.seat {
         let most = [length, width, 2.0 * height];
         if (0..3).any(|k| s[k].abs() > most[k]) {
-            notes.dropped(format!("the driver's place {s:?}, which lies outside the vehicle"));
+            notes.dropped(format!("the driver's position {s:?}, which is outside the vehicle"));
             spec.chassis.seat = None;
         }
     }
@@ -364,7 +364,7 @@ pub(crate) fn travels(axle: &mut Axle, radius: f64, load: f64, notes: &mut Notes
                     stops(axle, reach, radius, load, notes);
                     if *part < 1.0 {
                         notes.approximated(format!(
-                            "axle {}: its steering gear turns by {:.0} % of its greatest angle, since the linkage closes no further",
+                            "axle {}: its steering gear turns by {:.0} % of its maximum angle, the limit of the linkage",
                             axle.name,
                             100.0 * part
                         ));
@@ -389,7 +389,7 @@ fn stops(axle: &mut Axle, reach: f64, radius: f64, load: f64, notes: &mut Notes)
     let stiffness = 5.0 * load / (0.1 * radius);
     axle.suspension.stops = Some(Stops { jounce: stop, rebound: -stop, stiffness, table: Vec::new() });
     notes.assumed(format!(
-        "axle {}: travels of {:.0} mm up and down and stops 15 % before, since the source gives no ends of travel",
+        "axle {}: travels of {:.0} mm up and down and stops 15 % before, because the source has no travel limits",
         axle.name,
         1000.0 * reach
     ));
@@ -411,7 +411,7 @@ pub(crate) fn to_the_left(spec: &mut VehicleSpec, notes: &mut Notes) {
         for gear in spec.axles.iter_mut().filter_map(|a| a.steering.as_mut()) {
             super::steering::scale(gear, -1.0);
         }
-        notes.chosen("steering gears are turned the other way round, so that command +1 steers to the left");
+        notes.chosen("steering gears are reversed, so that command +1 steers to the left");
     }
 }
 

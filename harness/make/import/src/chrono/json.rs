@@ -24,7 +24,7 @@ impl Doc {
         let plain = without_comments(text.trim_start_matches('\u{feff}'));
         let value: Value = serde_json::from_str(&plain).map_err(|e| {
             let problem =
-                format!("no valid JSON ({e}); correct the file, or give a JSON file of Project Chrono");
+                format!("invalid JSON ({e}); correct the file, or give a JSON file of Project Chrono");
             ImportError::new(&file, format!("line {}", e.line()), problem)
         })?;
         let doc = Self { file, value, read: RefCell::default() };
@@ -206,7 +206,7 @@ impl<'a> Node<'a> {
         self.mark();
         match self.value.as_f64() {
             Some(x) if x.is_finite() => Ok(x),
-            _ => self.fail(format!("{} is no number", vb_files::cut_line(&self.value.to_string(), 60))),
+            _ => self.fail(format!("{} is not a number", vb_files::cut_line(&self.value.to_string(), 60))),
         }
     }
 
@@ -238,7 +238,7 @@ impl<'a> Node<'a> {
     pub(crate) fn quaternion(&self) -> Result<[f64; 4], ImportError> {
         let q: [f64; 4] = self.array()?;
         if q.iter().map(|x| x * x).sum::<f64>() < 1e-6 {
-            return self.fail("a quaternion of length 0 is no orientation");
+            return self.fail("a quaternion of length 0 is not an orientation");
         }
         Ok(q)
     }
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn what_is_no_json_is_named_with_its_line() {
         let e = Doc::parse("f.json".to_owned(), "{\n\"A\": }").unwrap_err().to_string();
-        assert!(e.starts_with("f.json: line 2: no valid JSON"), "{e}");
+        assert!(e.starts_with("f.json: line 2: invalid JSON"), "{e}");
         assert!(Doc::parse("f.json".to_owned(), "[1]").is_err());
         let deep = format!("{{\"a\": {}1{}}}", "[".repeat(60), "]".repeat(60));
         assert!(Doc::parse("f.json".to_owned(), &deep).unwrap_err().to_string().contains("levels deep"));

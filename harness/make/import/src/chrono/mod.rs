@@ -67,7 +67,7 @@ pub fn import(file: &Path, text: &str, options: &Options) -> Result<Imported, Im
         "WheeledVehicle" => wheeled::convert(&set, &vehicle, &options, &mut notes)?,
         "TrackedVehicle" => tracked::convert(&set, &vehicle, &options, &mut notes)?,
         other => {
-            let problem = format!("{other:?} has no counterpart; WheeledVehicle and TrackedVehicle have");
+            let problem = format!("{other:?} has no counterpart; use WheeledVehicle or TrackedVehicle");
             return Err(ImportError::new(&vehicle.file, "Template", problem));
         }
     };

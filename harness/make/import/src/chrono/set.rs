@@ -47,7 +47,7 @@ impl Set {
                 .map(Path::to_owned)
                 .ok_or_else(|| {
                     let problem = format!(
-                        "refers to {reference:?}, which is in none of the folders above the file; give the folder that contains \
+                        "refers to {reference:?}, which is not in a folder above the file; give the folder that contains \
                          it with --data"
                     );
                     ImportError::new(file.display(), "", problem)
@@ -181,7 +181,7 @@ pub(crate) fn kind(doc: &Doc) -> Result<String, ImportError> {
     match doc.root().get("Type") {
         Some(t) => Ok(t.text()?.to_owned()),
         None => {
-            let problem = "\"Type\" is missing; this is no file of a Chrono vehicle (give the file with \"Type\": \"Vehicle\")";
+            let problem = "\"Type\" is missing; this is not a file of a Chrono vehicle (give the file with \"Type\": \"Vehicle\")";
             Err(ImportError::new(&doc.file, "", problem))
         }
     }

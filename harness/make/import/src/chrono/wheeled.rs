@@ -130,7 +130,7 @@ fn indexes(node: &Node, axles: usize) -> Result<Vec<usize>, ImportError> {
         let x = n.number()?;
         let k = x as usize;
         if x < 0.0 || k as f64 != x || k >= axles {
-            return n.fail(format!("{x} is no axle; there are {axles}, counted from 0"));
+            return n.fail(format!("axle {x} does not exist; there are {axles}, counted from 0"));
         }
         out.push(k);
     }
@@ -239,8 +239,9 @@ fn indexes_one(node: &Node, count: usize) -> Result<usize, ImportError> {
         let k = *k as f64;
         k == x
     });
-    found
-        .ok_or_else(|| node.error(format!("{x} is no steering subsystem; there are {count}, counted from 0")))
+    found.ok_or_else(|| {
+        node.error(format!("steering subsystem {x} does not exist; there are {count}, counted from 0"))
+    })
 }
 
 /// An anti-roll bar of two arms with a torsion spring between them.

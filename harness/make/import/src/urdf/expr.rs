@@ -50,7 +50,7 @@ impl Value {
         match self {
             Self::Number(x) => Ok(*x),
             Self::Flag(f) => Ok(f64::from(u8::from(*f))),
-            Self::Text(t) => Err(format!("{t:?} is no number")),
+            Self::Text(t) => Err(format!("{t:?} is not a number")),
         }
     }
 }
@@ -91,7 +91,7 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
                 }
                 previous = d;
             }
-            let x = rest[..end].parse().map_err(|_| format!("{:?} is no number", &rest[..end]))?;
+            let x = rest[..end].parse().map_err(|_| format!("{:?} is not a number", &rest[..end]))?;
             out.push(Token::Number(x));
             rest = &rest[end..];
         } else if c.is_alphabetic() || c == '_' {
@@ -100,12 +100,14 @@ fn tokens(text: &str) -> Result<Vec<Token>, String> {
             out.push(Token::Name(rest[..end].to_owned()));
             rest = &rest[end..];
         } else if c == '\'' || c == '"' {
-            let end = rest[1..].find(c).ok_or("a text has no end")?;
+            let end = rest[1..].find(c).ok_or("a text is not terminated")?;
             out.push(Token::Text(rest[1..=end].to_owned()));
             rest = &rest[end + 2..];
         } else {
-            let sign =
-                SIGNS.iter().find(|s| rest.starts_with(**s)).ok_or_else(|| format!("{c:?} is not read"))?;
+            let sign = SIGNS
+                .iter()
+                .find(|s| rest.starts_with(**s))
+                .ok_or_else(|| format!("{c:?} is not supported"))?;
             out.push(Token::Sign(sign));
             rest = &rest[sign.len()..];
         }
@@ -260,7 +262,7 @@ impl Parser<'_> {
     }
 
     fn atom(&mut self) -> Result<Value, String> {
-        let token = self.tokens.get(self.at).cloned().ok_or("the expression has no end")?;
+        let token = self.tokens.get(self.at).cloned().ok_or("the expression is incomplete")?;
         self.at += 1;
         match token {
             Token::Number(x) => Ok(Value::Number(x)),
@@ -320,7 +322,7 @@ impl Parser<'_> {
             ("pow", [a, b]) => vb_math::pow(*a, *b),
             ("min", [first, rest @ ..]) => rest.iter().fold(*first, |a, b| a.min(*b)),
             ("max", [first, rest @ ..]) => rest.iter().fold(*first, |a, b| a.max(*b)),
-            _ => return Err(format!("the function {name:?} with {} values is not read", given.len())),
+            _ => return Err(format!("the function {name:?} with {} values is not supported", given.len())),
         };
         Ok(Value::Number(x))
     }
@@ -354,9 +356,9 @@ mod tests {
             ("q + 1", "\"q\" is not defined"),
             ("1/0", "division by zero"),
             ("(1", "not closed"),
-            ("load_yaml('x')", "is no number"),
+            ("load_yaml('x')", "is not a number"),
             ("1 +", "no end"),
-            ("[1, 2]", "is not read"),
+            ("[1, 2]", "is not supported"),
         ] {
             let e = evaluate(text, &names).unwrap_err();
             assert!(e.contains(says), "{text}: {e}");

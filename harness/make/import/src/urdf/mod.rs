@@ -74,7 +74,7 @@ fn sideways(root: &Element, file: &str, notes: &mut Notes) -> Result<(), ImportE
             return Err(ImportError::new(file, root.at(), problem));
         }
         if ["planar_move", "force_based_move"].iter().any(|w| lower.contains(w)) {
-            notes.dropped(format!("the plugin {text:?}, which moves the robot in all directions; here its wheels do, as plain wheels"));
+            notes.dropped(format!("the plugin {text:?}, which moves the robot in all directions; here its wheels are plain wheels"));
         }
     }
     root.children.iter().try_for_each(|c| sideways(c, file, notes))

@@ -95,7 +95,7 @@ pub(super) fn read(
     for e in root.named("link") {
         let name = e.need("name")?.to_owned();
         if index.insert(name.clone(), links.len()).is_some() {
-            return e.fail(format!("a second link is called {name:?}"));
+            return e.fail(format!("a second link has the name {name:?}"));
         }
         if links.len() >= LINKS {
             return e.fail(format!("more than {LINKS} links"));
@@ -122,7 +122,7 @@ pub(super) fn read(
                 file.display(),
                 "",
                 if links.is_empty() {
-                    "no link; a xacro file that only defines macros is no robot: name the file that calls them"
+                    "no link; a xacro file that only defines macros is not a robot: give the file that calls them"
                 } else {
                     "the joints make a loop"
                 },
@@ -197,7 +197,7 @@ fn link(
         let Some(m) = i.child("mass") else { return i.fail("<mass> is missing") };
         let value = m.number("value")?;
         if value < 0.0 {
-            return m.fail(format!("{value} kg; a mass is not negative"));
+            return m.fail(format!("{value} kg; a mass must not be negative"));
         }
         let mut own: Matrix = [[0.0; 3]; 3];
         if let Some(t) = i.child("inertia") {
@@ -291,7 +291,7 @@ fn joint(e: &Element, links: &BTreeMap<String, usize>) -> Result<Joint, ImportEr
     let end = |part: &str| -> Result<usize, ImportError> {
         let Some(p) = e.child(part) else { return e.fail(format!("<{part}> is missing")) };
         let link = p.need("link")?;
-        links.get(link).copied().ok_or_else(|| p.error(format!("no link is called {link:?}")))
+        links.get(link).copied().ok_or_else(|| p.error(format!("no link has the name {link:?}")))
     };
     let axis = match e.child("axis") {
         Some(a) => a.triple("xyz")?,

@@ -82,7 +82,7 @@ pub(super) fn wheel(
         }
     }
     if radius <= 0.0 {
-        notes.dropped(format!("joint {}: its link has no collision shape, so it is no wheel", j.name));
+        notes.dropped(format!("joint {}: its link has no collision shape, so it is not a wheel", j.name));
         return Ok(None);
     }
     if drawn {
@@ -149,7 +149,8 @@ fn steers(
     let named =
         [&j.name, &robot.joints[wheel].name].iter().any(|n| n.to_ascii_lowercase().contains("caster"));
     if named || (limit == 0.0 && trail > 0.1 * radius) {
-        let problem = "a caster, whose wheel follows by itself, has no counterpart; convert a robot with driven or steered wheels only";
+        let problem =
+            "a passive caster has no counterpart; convert a robot with driven or steered wheels only";
         return Err(ImportError::new(file, format!("joint {}", j.name), problem));
     }
     if limit == 0.0 {

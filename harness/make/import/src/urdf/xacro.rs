@@ -75,7 +75,7 @@ pub(crate) fn expand(
 /// Adds the way out to a message.
 fn unread<T>(at: &Element, problem: impl std::fmt::Display) -> Result<T, ImportError> {
     at.fail(format!(
-        "{problem}; expand the file with ROS's own program, `xacro FILE > robot.urdf`, and convert that"
+        "{problem}; expand the file with ROS's `xacro FILE > robot.urdf`, and convert the result"
     ))
 }
 
@@ -136,10 +136,10 @@ impl Xacro<'_> {
                         let block = block.clone();
                         out.extend(self.children(&block, scope)?);
                     }
-                    None => return e.fail(format!("no block is called {name:?}")),
+                    None => return e.fail(format!("no block has the name {name:?}")),
                 }
             }
-            "element" | "attribute" | "call" => return unread(e, "is not read"),
+            "element" | "attribute" | "call" => return unread(e, "is not supported"),
             _ => self.call(e, scope, out)?,
         }
         Ok(())
@@ -234,7 +234,7 @@ impl Xacro<'_> {
                 return Ok(());
             }
             return e.fail(format!(
-                "{name:?} is not there; add the file, or give the folder of its package with --data"
+                "{name:?} does not exist; add the file, or give the folder of its package with --data"
             ));
         }
         let full = std::fs::canonicalize(&path).map_err(|err| ImportError::reading(&path, &err))?;
@@ -338,7 +338,7 @@ impl Xacro<'_> {
                 Ok(v) => Ok(v.text()),
                 Err(e) => unread(at, format!("$(eval {rest}): {e}")),
             },
-            other => unread(at, format!("$({other} …) is not read")),
+            other => unread(at, format!("$({other} …) is not supported")),
         }
     }
 

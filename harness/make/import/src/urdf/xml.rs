@@ -26,13 +26,13 @@ impl Element {
             ImportError::new(
                 file,
                 format!("line {}", e.pos().row),
-                format!("no valid XML ({e}); correct the file"),
+                format!("invalid XML ({e}); correct the file"),
             )
         })?;
         let root = convert(document.root_element(), &document, file, 0)?;
         if root.name != "robot" {
             let problem = format!(
-                "<{}>, but URDF starts with <robot>; SDF and MJCF are not read (convert them to URDF)",
+                "<{}>, but URDF starts with <robot>; SDF and MJCF are not supported (convert them to URDF)",
                 root.name
             );
             return Err(ImportError::new(file, "", problem));
@@ -72,7 +72,7 @@ impl Element {
     pub(crate) fn number(&self, key: &str) -> Result<f64, ImportError> {
         let text = self.need(key)?;
         let x = text.trim().parse().ok().filter(|x: &f64| x.is_finite());
-        x.ok_or_else(|| self.error(format!("{key}={text:?} is no number")))
+        x.ok_or_else(|| self.error(format!("{key}={text:?} is not a number")))
     }
 
     /// Three numbers; zeros if the attribute is absent.

@@ -87,8 +87,8 @@ fn robots_that_are_no_vehicles_are_refused_in_one_line() {
     for (from, to, says) in [
         (joint, "type=\"fixed\"", "no wheels: no continuous joint"),
         ("x=\"-0.16\" y=\"-0.11\"", "x=\"-0.3\" y=\"-0.11\"", "no wheel stands opposite"),
-        ("<mass value=\"6\"/>", "<mass value=\"six\"/>", "is no number"),
-        ("<mass value=\"6\"/>", "<mass value=\"-6\"/>", "not negative"),
+        ("<mass value=\"6\"/>", "<mass value=\"six\"/>", "is not a number"),
+        ("<mass value=\"6\"/>", "<mass value=\"-6\"/>", "must not be negative"),
         (
             "<parent link=\"base\"/><child link=\"mast\"/>",
             "<parent link=\"mast\"/><child link=\"mast\"/>",
@@ -99,9 +99,9 @@ fn robots_that_are_no_vehicles_are_refused_in_one_line() {
             "<parent link=\"base\"/><child link=\"fl\"/>",
             "two parents",
         ),
-        ("<child link=\"mast\"/>", "<child link=\"mist\"/>", "no link is called \"mist\""),
+        ("<child link=\"mast\"/>", "<child link=\"mist\"/>", "no link has the name \"mist\""),
         ("<link name=\"base\">", &format!("{huge}<link name=\"base\">"), "more than 2000 links"),
-        ("</robot>", "", "no valid XML"),
+        ("</robot>", "", "invalid XML"),
     ] {
         assert!(CAR.contains(from), "{from}");
         let e = convert(&CAR.replace(from, to)).expect_err(from).to_string();

@@ -542,5 +542,5 @@ fn a_gear_that_asks_for_more_than_the_linkage_gives_is_reduced() {
     let i = Car::new(&wishbones(), &wishbones(), &rack).import();
     let Some(SteeringGear::RackAndPinion { travel }) = i.spec.axles[0].steering else { panic!() };
     assert!(travel.abs() < 0.2 && travel.abs() > 0.08, "{travel}");
-    assert!(says(&i, Kind::Approximated, "of its greatest angle, since the linkage closes no further"));
+    assert!(says(&i, Kind::Approximated, "of its maximum angle, the limit of the linkage"));
 }

@@ -98,7 +98,7 @@ fn more(s: &mut String, w: &WorldStatistics) {
     row(
         "heights",
         format!(
-            "mean {} m, spread {} m, relief {} m",
+            "mean {} m, standard deviation {} m, relief {} m",
             number(w.height_mean, 2),
             number(w.height_std, 3),
             number(w.relief, 2)
@@ -135,7 +135,7 @@ fn more(s: &mut String, w: &WorldStatistics) {
     for t in &w.tasks {
         let id = escape(&t.id);
         let unproven = match t.proven {
-            Some(false) => " <abbr title=\"nobody has done this task yet\">?</abbr>",
+            Some(false) => " <abbr title=\"no solvability certificate\">?</abbr>",
             _ => "",
         };
         let _ = write!(
@@ -176,7 +176,7 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
     figures(&mut s, statistics);
     s.push_str(
         "</main><dialog id=\"large\" aria-labelledby=\"large-title\"><header><h2 id=\"large-title\"></h2><nav>\
-         <button type=\"button\" data-go=\"-1\" aria-label=\"World before\">‹</button>\
+         <button type=\"button\" data-go=\"-1\" aria-label=\"Previous world\">‹</button>\
          <button type=\"button\" data-go=\"1\" aria-label=\"Next world\">›</button>\
          <button type=\"button\" data-go=\"0\" aria-label=\"Close\">×</button></nav></header>\
          <div class=\"view\"><div class=\"stage\"></div><div class=\"side\"></div></div></dialog>",
@@ -192,9 +192,9 @@ pub(super) fn page(cards: &[String], statistics: &SuiteStatistics) -> String {
     .html()
 }
 
-/// What to show, and how.
+/// The toolbar with filters and display options.
 fn bar(s: &mut String, statistics: &SuiteStatistics) {
-    s.push_str("<div class=\"bar\" role=\"toolbar\" aria-label=\"What to show\">");
+    s.push_str("<div class=\"bar\" role=\"toolbar\" aria-label=\"Display options\">");
     let mut group = |key: &str, names: &[&str]| {
         let _ = write!(s, "<fieldset data-filter=\"{key}\"><legend>{key}</legend>");
         for name in names {
@@ -217,7 +217,7 @@ fn bar(s: &mut String, statistics: &SuiteStatistics) {
     group("elevation", &Elevation::ALL.map(Elevation::name));
     group("terrain", &Terrain::ALL.map(Terrain::name));
     group("density", &Density::ALL.map(Density::name));
-    s.push_str("<fieldset data-choice=\"ground\"><legend>ground</legend>");
+    s.push_str("<fieldset data-choice=\"ground\"><legend>terrain map</legend>");
     for (value, name) in [
         ("classes", "classes"),
         ("heights", "heights"),
@@ -230,7 +230,7 @@ fn bar(s: &mut String, statistics: &SuiteStatistics) {
             write!(s, "<button type=\"button\" aria-pressed=\"{pressed}\" value=\"{value}\">{name}</button>");
     }
     s.push_str(
-        "</fieldset><fieldset data-toggles><legend>over it</legend>\
+        "</fieldset><fieldset data-toggles><legend>overlay</legend>\
          <button type=\"button\" aria-pressed=\"true\" value=\"obstacles\">obstacles</button>\
          <button type=\"button\" aria-pressed=\"true\" value=\"tasks\">paths</button></fieldset>\
          <fieldset class=\"sort\"><legend>order</legend><select aria-label=\"Order\"><option value=\"\">as in the suite</option>\
@@ -263,12 +263,12 @@ fn legends(s: &mut String, statistics: &SuiteStatistics) {
     scale(
         "heights",
         &HEIGHTS,
-        &format!("{SPREADS} spreads below"),
-        &format!("{SPREADS} spreads above each world's mean height"),
+        &format!("−{SPREADS} standard deviations"),
+        &format!("+{SPREADS} standard deviations from each world's mean height"),
     );
     scale("slopes", &SLOPES, "level", &format!("{STEEP}° or steeper, over 1 m"));
     let [low, high] = FRICTION.map(|f| number(f, 1));
-    scale("friction", &GRIPS, &format!("friction {low}"), &format!("{high}; grey: the ground yields"));
+    scale("friction", &GRIPS, &format!("friction {low}"), &format!("{high}; grey: deformable"));
     let _ = write!(
         s,
         "<ul class=\"legend signs\"><li><svg viewBox=\"-3 -3 6 6\"><path class=\"boulder\" d=\"M-2 -1L0 -2.2L2.1 -.6L1.6 1.8L-1.4 2Z\"/></svg>boulder, box</li>\
@@ -291,7 +291,7 @@ fn figures(s: &mut String, statistics: &SuiteStatistics) {
         curves
     };
     if !statistics.relief.is_empty() {
-        s.push_str(&plot("Heights about each world's mean", "m", &by_level(|r| &r.heights)));
+        s.push_str(&plot("Heights relative to each world's mean", "m", &by_level(|r| &r.heights)));
         s.push_str(&plot("Slope over 1 m", "degrees", &by_level(|r| &r.slope_histogram)));
     }
     if !statistics.tasks_by_density.is_empty() {

@@ -29,8 +29,10 @@ impl Rule {
     fn remedy(self, fields: Fields) -> String {
         let Fields { stand, distance, .. } = fields;
         match self {
-            Self::Edge => format!("lower {distance} or {stand}.reach, by which they reach over the edge"),
-            Self::Obstacles => "thin out the obstacles".to_owned(),
+            Self::Edge => {
+                format!("lower {distance} or {stand}.reach, because positions exceed the edge of the world")
+            }
+            Self::Obstacles => "reduce the obstacle density".to_owned(),
             Self::Tilt => format!("raise {stand}.tilt"),
             Self::Unevenness => format!("raise {stand}.unevenness"),
             Self::Climb => format!("raise {stand}.climb"),
@@ -116,13 +118,11 @@ impl NoStarts {
         let room = match room {
             0 => String::new(),
             // They may have room on one side alone.
-            _ => format!(
-                "there is room for {room} at most, and {tasks} are wanted all around: lower tasks.count, or "
-            ),
+            _ => format!("there is room for at most {room} of {tasks} tasks: lower tasks.count, or "),
         };
         let share = (100.0 * share).round();
         let (remedy, elsewhere) = (rule.remedy(fields), fields.elsewhere);
-        Self { text: format!("{room}{remedy} ({share} % of the places break this rule){elsewhere}") }
+        Self { text: format!("{room}{remedy} ({share} % of the positions violate this rule){elsewhere}") }
     }
 }
 

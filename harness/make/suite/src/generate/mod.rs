@@ -53,7 +53,7 @@ pub enum GenerateError {
         source: vb_terrain::GenerateError,
     },
     #[error(
-        "{world}: no start and goal {distance:.0} m apart about the middle stand on ground that is level, even and free of obstacles: {why}"
+        "{world}: no start and goal at a distance of {distance:.0} m are on level, smooth terrain without obstacles: {why}"
     )]
     NoStart {
         world: String,
@@ -62,15 +62,15 @@ pub enum GenerateError {
         why: NoStarts,
     },
     #[error(
-        "{world}: {clusters} clusters found no patches of their own in {draws} draws: raise ground.centre_spread, or lower ground.clusters"
+        "{world}: {clusters} clusters found no separate patches in {draws} samples: raise ground.centre_spread, or lower ground.clusters"
     )]
     NoPatch { world: String, clusters: usize, draws: usize },
     #[error(
-        "{world}: obstacle {index} found no place in {attempts} draws: lower obstacles.boulders, obstacles.spacing or obstacles.task_clearance, or raise obstacles.attempts"
+        "{world}: obstacle {index} found no valid position in {attempts} samples: lower obstacles.boulders, obstacles.spacing or obstacles.task_clearance, or raise obstacles.attempts"
     )]
     NoRoom { world: String, index: usize, attempts: usize },
     /// The obstacles leave no way, however often they are drawn.
-    #[error("{world}/{task}: {source} (obstacles were drawn {layouts} times)")]
+    #[error("{world}/{task}: {source} (obstacles were sampled {layouts} times)")]
     NoWay { world: String, task: String, layouts: usize, source: PathError },
     /// The rules contradict each other in a way that only the world shows.
     #[error("{world}: {flaw}: change the rule that causes it")]

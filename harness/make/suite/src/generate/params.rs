@@ -91,13 +91,13 @@ impl<T: Copy> ByGround<T> {
     }
 }
 
-/// The nodes of the surface.
+/// The elevation grid.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GridParams {
     /// The number of nodes along each side.
     pub nodes: usize,
-    /// The distance between nodes, m.
+    /// The node spacing, m.
     pub resolution: f64,
 }
 
@@ -106,12 +106,12 @@ pub struct GridParams {
 pub struct ElevationParams {
     /// The terrain model: the name of one in `tasks/terrain`, or a file.
     pub model: String,
-    /// The standard deviation of the height, m: the mean over many worlds of a level.
+    /// The standard deviation of the height, m; the mean over many worlds of a level.
     pub std: ByElevation,
-    /// The standard deviation of the logarithm of `std` between worlds, without what the model draws differently
-    /// anyway.
+    /// The standard deviation of the logarithm of `std` between worlds, in addition to the variation of the model's
+    /// samples.
     pub std_spread: f64,
-    /// The gains by wavelength and the swells of the surfaces; `None` takes the model's samples as they are.
+    /// Spectral shaping of the surfaces; `None` uses the model's samples unchanged.
     #[serde(default)]
     pub shape: Option<ShapeParams>,
 }
@@ -157,7 +157,7 @@ pub struct FrictionParams {
 }
 
 impl FrictionParams {
-    /// The distribution of a class; `None` where the ground yields.
+    /// The distribution of a class; `None` for deformable classes.
     #[must_use]
     pub fn get(&self, class: TerrainClass) -> Option<Normal> {
         Some(match class {
@@ -177,13 +177,13 @@ impl FrictionParams {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundParams {
-    /// The grounds of consecutive worlds, which are repeated in this order.
+    /// The terrain types of consecutive worlds, repeated cyclically.
     pub order: Vec<Terrain>,
     /// The number of patches along each side.
     pub patches: usize,
     /// The minimum and the maximum number of clusters.
     pub clusters: ByGround<[usize; 2]>,
-    /// The standard deviation of a cluster's centre about the middle, as a share of the side.
+    /// The standard deviation of a cluster's centre about the middle, as a fraction of the side.
     pub centre_spread: f64,
     pub friction: FrictionParams,
 }
@@ -199,13 +199,13 @@ pub struct ObstacleParams {
     pub boulder_size: [f64; 3],
     /// The minimum and the maximum scale of a boulder.
     pub boulder_scale: [f64; 2],
-    /// The minimum and the maximum factor by which each extent of a boulder differs besides.
+    /// The minimum and the maximum random factor on each extent of a boulder.
     pub boulder_stretch: [f64; 2],
     /// The minimum and the maximum radius of a trunk, m.
     pub trunk_radius: [f64; 2],
     /// The minimum and the maximum length of a trunk, m.
     pub trunk_height: [f64; 2],
-    /// The share of the height that is below the ground.
+    /// The fraction of the height that is below the ground.
     pub buried: f64,
     /// The maximum distance of a centre from the middle along x and y, m.
     pub extent: f64,
@@ -213,7 +213,7 @@ pub struct ObstacleParams {
     pub spacing: f64,
     /// The minimum distance of a centre from every start and goal, m.
     pub task_clearance: f64,
-    /// The number of draws for one obstacle.
+    /// The maximum number of samples for one obstacle.
     pub attempts: usize,
 }
 
@@ -239,33 +239,32 @@ impl ObstacleParams {
 pub struct TaskParams {
     /// The number of tasks in a world.
     pub count: usize,
-    /// The radius of the circle that starts and goals lie on, m.
+    /// The radius of the circle of starts and goals, m.
     pub radius: f64,
     pub stand: StandParams,
 }
 
-/// The conditions of ground that a vehicle can stand on, on a disc about a start or goal, and start from, under its
-/// wheels.
+/// Terrain conditions at starts and goals: on a disc around them, and under the wheels at a start.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StandParams {
     /// The radius of the disc, m.
     pub reach: f64,
-    /// The maximum tilt of the plane that fits the ground best, degrees.
+    /// The maximum tilt of the best-fit plane, degrees.
     pub tilt: f64,
-    /// The maximum height of the ground above or below that plane, m.
+    /// The maximum deviation of the terrain from that plane, m.
     pub unevenness: f64,
-    /// The length and the width of the rectangle of wheels that heads from the start to the goal, m.
+    /// The length and the width of the rectangle of wheels, which faces the goal, m.
     pub wheels: [f64; 2],
-    /// The steepest rise at a start from the rear wheels to the front wheels, degrees.
+    /// The maximum slope at a start from the rear wheels to the front wheels, degrees.
     pub climb: f64,
-    /// The maximum height at a start by which one pair of diagonal wheels stands above the other, m.
+    /// The maximum height difference at a start between the diagonal pairs of wheels, m.
     pub twist: f64,
-    /// The maximum share of the friction that the slope under the wheels takes at a start.
+    /// The maximum fraction of the friction that the slope under the wheels requires at a start.
     pub grip: f64,
 }
 
-/// All rules of the generator.
+/// The rules of the generator.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeneratorParams {
@@ -290,7 +289,7 @@ impl Default for GeneratorParams {
 }
 
 impl GeneratorParams {
-    /// The text of `tasks/generator/default.yaml`, a starting point for one's own rules.
+    /// The text of `tasks/generator/default.yaml`, a starting point for custom rules.
     pub const DEFAULT_YAML: &str = include_str!("../../../../../tasks/generator/default.yaml");
 
     pub const PAPER_YAML: &str = include_str!("../../../../../tasks/generator/paper.yaml");
@@ -344,7 +343,7 @@ impl GeneratorParams {
             }
         }
         if g.order.is_empty() {
-            return Err(flaw("ground.order", "is empty: at least one kind of ground is needed"));
+            return Err(flaw("ground.order", "is empty: at least one terrain class is needed"));
         }
         within("ground.centre_spread", g.centre_spread, 1e-3, 10.0)?;
         check_clip("ground.friction.clip", g.friction.clip)?;
@@ -385,7 +384,7 @@ impl GeneratorParams {
             let (wanted, most) = (o.boulders.get(density) + o.trees.get(density), o.room());
             if wanted as f64 > most {
                 let problem = format!(
-                    "{} leaves room for {most} obstacles at most, and {} worlds have {wanted}: lower it or their number, or raise \
+                    "{} leaves room for at most {most} obstacles, and {} worlds have {wanted}: lower it or their number, or raise \
                      obstacles.extent",
                     o.spacing,
                     density.name()
@@ -425,7 +424,7 @@ impl GeneratorParams {
 
 /// Whether a terrain model is named.
 pub(crate) fn check_model(field: &str, name: &str) -> Result<(), Flaw> {
-    if name.is_empty() { Err(flaw(field, "is empty: name a terrain model")) } else { Ok(()) }
+    if name.is_empty() { Err(flaw(field, "is empty: give a terrain model")) } else { Ok(()) }
 }
 
 /// Whether the friction of every patch can lie in a range.
@@ -527,7 +526,7 @@ mod tests {
             (
                 "spacing: 10.0",
                 "spacing: 30.0",
-                "obstacles.spacing: 30 leaves room for 27 obstacles at most, and dense worlds have 43",
+                "obstacles.spacing: 30 leaves room for at most 27 obstacles, and dense worlds have 43",
             ),
         ];
         for (from, to, expected) in cases {

@@ -22,7 +22,7 @@ use vb_world::{
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    #[error("{}: no world found: name the original's BenchMaps folder, one that holds sampled_maps/Worlds and sampled_maps/Configs/Final", dir.display())]
+    #[error("{}: no world found: give the original's BenchMaps folder, which contains sampled_maps/Worlds and sampled_maps/Configs/Final", dir.display())]
     NothingFound { dir: PathBuf },
     #[error("{}: cannot read: {source}; each world needs Worlds/ID.bmp, Configs/Final/configID_LEVEL.yaml and labelsID_LEVEL.npy", path.display())]
     Read { path: PathBuf, source: std::io::Error },

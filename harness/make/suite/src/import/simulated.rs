@@ -81,7 +81,7 @@ fn check_rectangle(s: &Semantics, class: TerrainClass) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "the {} patches of {} do not fill a rectangle, as the simulator of a mixed world wants it: import this world \
+        "the {} patches of {} do not fill a rectangle, as the simulator of a mixed world requires: import this world \
          with the ground as-described",
         of_class.len(),
         class.name()

@@ -188,7 +188,7 @@ mod tests {
         let made = |site: Option<&SiteParams>| {
             CourseSite::new(&course, &[], Density::Sparse, site, &rules, 7).unwrap_err().to_string()
         };
-        assert!(made(None).contains("needs a world of 5016 m, and 4096 m is the most"), "{}", made(None));
+        assert!(made(None).contains("needs a world of 5016 m; the maximum is 4096 m"), "{}", made(None));
         let own = SiteParams::default();
         assert!(
             made(Some(&own)).contains("`side` is 128 m, but the course needs 5016 m"),

@@ -49,7 +49,7 @@ pub enum Cut {
 #[non_exhaustive]
 pub enum SiteError {
     #[error(
-        "a world of {side} m about ({}, {}) m reaches over the edge of the survey, which is {} m by {} m: take another place (--at), or rules with a smaller `side` (--site FILE, a copy of tasks/generator/site.yaml)",
+        "a world of {side} m at ({}, {}) m exceeds the survey, which is {} m by {} m: use another position (--at), or rules with a smaller `side` (--site FILE, a copy of tasks/generator/site.yaml)",
         at[0], at[1], extents[0], extents[1]
     )]
     Outside {
@@ -61,7 +61,7 @@ pub enum SiteError {
         extents: [f64; 2],
     },
     #[error(
-        "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, and {MOST_WORLDS} at most are made: take a larger `side` (--site FILE), cut the survey into several, or make one world of it (--at)",
+        "the survey, which is {} m by {} m, has room for {worlds} worlds of {side} m, more than the limit of {MOST_WORLDS}: use a larger `side` (--site FILE), split the survey, or create a single world (--at)",
         extents[0], extents[1]
     )]
     TooMany {
@@ -72,7 +72,7 @@ pub enum SiteError {
         extents: [f64; 2],
     },
     #[error(
-        "path.grid: {grid} is too fine for worlds of {side} m: take {finest} or more (--params FILE), or a smaller `side` (--site FILE)"
+        "path.grid: {grid} is too fine for worlds of {side} m: use {finest} or more (--params FILE), or a smaller `side` (--site FILE)"
     )]
     PathGrid {
         /// The distance between the nodes of the grid, m.
@@ -83,14 +83,14 @@ pub enum SiteError {
         finest: f64,
     },
     #[error(
-        "no height is known at ({:.1}, {:.1}) m from the survey's middle: fill the hole, or take another place (--at)", at[0], at[1]
+        "the height at ({:.1}, {:.1}) m from the survey's centre is unknown: fill the hole, or use another position (--at)", at[0], at[1]
     )]
     Hole {
         /// The place (x, y), m from the survey's middle.
         at: [f64; 2],
     },
     #[error(
-        "label {label} at ({:.1}, {:.1}) m from the survey's middle is not in ground.legend: add it with its class", at[0], at[1]
+        "label {label} at ({:.1}, {:.1}) m from the survey's centre is not in ground.legend: add it with its class", at[0], at[1]
     )]
     Label {
         label: f64,
@@ -98,7 +98,7 @@ pub enum SiteError {
         at: [f64; 2],
     },
     #[error(
-        "labels of {} by {} samples can't cover the survey's {} m by {} m with square ones: cut them to the same rectangle", samples[0], samples[1], extents[0], extents[1]
+        "labels of {} by {} samples cannot cover the survey's {} m by {} m with square samples: crop them to the same rectangle", samples[0], samples[1], extents[0], extents[1]
     )]
     Labels {
         /// The numbers of samples of the labels along x and y.
@@ -107,9 +107,9 @@ pub enum SiteError {
         extents: [f64; 2],
     },
     #[error(
-        "heights about ({:.1}, {:.1}) m rise by {relief:.1} m within {side} m (median slope {slope:.0} degrees), which is no ground to drive on: \
-         is the unit right? Give the metres of one unit of the file's values with --unit (centimetres: --unit 0.01, feet: --unit 0.3048, \
-         grey levels: the relief over the number of levels), or take them as they are with --any-relief", at[0], at[1]
+        "heights at ({:.1}, {:.1}) m have a relief of {relief:.1} m within {side} m (median slope {slope:.0} degrees), which is not drivable: \
+         check the unit. Give the metres of one unit of the file's values with --unit (centimetres: --unit 0.01, feet: --unit 0.3048, \
+         grey levels: the relief over the number of levels), or accept them with --any-relief", at[0], at[1]
     )]
     Relief {
         /// The middle (x, y) of the world, m.
@@ -123,7 +123,7 @@ pub enum SiteError {
     },
     /// The starts, obstacles or paths found no place on steep ground.
     #[error(
-        "{source} (heights rise by {relief:.1} m within {side} m, median slope {slope:.0} degrees: if that is too much, give the right unit with --unit)"
+        "{source} (relief {relief:.1} m within {side} m, median slope {slope:.0} degrees: if that is too much, give the right unit with --unit)"
     )]
     Steep {
         source: Box<GenerateError>,
@@ -134,16 +134,14 @@ pub enum SiteError {
         /// The median slope, degrees.
         slope: f64,
     },
-    #[error("the course needs a world of {needed} m, and {most} m is the most: cut it into parts")]
+    #[error("the course needs a world of {needed} m; the maximum is {most} m: cut it into parts")]
     CourseLength {
         /// The side that holds the course, m.
         needed: f64,
         /// The longest side of a world, m.
         most: f64,
     },
-    #[error(
-        "`side` is {side} m, but the course needs {needed} m: raise it (--site FILE), or leave out --site"
-    )]
+    #[error("`side` is {side} m, but the course needs {needed} m: raise it (--site FILE), or omit --site")]
     CourseSide {
         /// The side of the rules, m.
         side: f64,
@@ -157,7 +155,7 @@ pub enum SiteError {
 
 /// What a site's rules are called, which has other places than the one where a world was to lie.
 const FIELDS: Fields =
-    Fields { elsewhere: " in the rules of --params; or take another place (--at)", ..generate::FIELDS };
+    Fields { elsewhere: " in the rules of --params; or use another position (--at)", ..generate::FIELDS };
 
 /// Slope above which a world is no ground to drive on, if half of it is steeper, degrees. The benchmark's worlds have a median of 23
 /// degrees at most.

@@ -1,4 +1,4 @@
-//! The rules by which a survey becomes worlds, as data: `tasks/generator/site.yaml` and files like it.
+//! The rules for the conversion of a survey to worlds, as data: `tasks/generator/site.yaml` and files like it.
 
 use std::collections::BTreeMap;
 
@@ -8,26 +8,26 @@ use vb_world::{SoilLevels, TerrainClass};
 
 use crate::rules::{self, MOST_NODES, Square, flaw};
 
-/// The rules by which a survey becomes worlds.
+/// The rules for the conversion of a survey to worlds.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteParams {
     pub schema: Schema<1>,
     pub name: String,
-    /// The distance between the nodes of a world, m.
+    /// The node spacing of a world, m.
     pub resolution: f64,
-    /// The side of a patch of ground, m.
+    /// The side of a patch of one terrain class, m.
     pub patch: f64,
     /// The side of a world, m.
     pub side: f64,
     pub ground: SiteGround,
 }
 
-/// The rules for the material of a site's ground.
+/// The rules for the terrain classes of a site.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteGround {
-    /// The rules by slope and height; the first one that holds decides.
+    /// The rules by slope and height; the first one that applies determines the class.
     pub rules: Vec<GroundRule>,
     /// The class of each value of a label raster.
     pub legend: BTreeMap<u16, TerrainClass>,
@@ -35,7 +35,7 @@ pub struct SiteGround {
     pub soil: SoilLevels,
 }
 
-/// A class for ground of some slope and height.
+/// A terrain class for a range of slopes and heights.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundRule {
@@ -43,7 +43,7 @@ pub struct GroundRule {
     /// The minimum and the maximum slope, degrees.
     #[serde(default = "always")]
     pub slope: [f64; 2],
-    /// The minimum and the maximum height above the lowest place of the world, m.
+    /// The minimum and the maximum height above the lowest point of the world, m.
     #[serde(default = "always")]
     pub height: [f64; 2],
 }
@@ -53,7 +53,7 @@ fn always() -> [f64; 2] {
 }
 
 impl GroundRule {
-    /// A rule without conditions, for ground of any slope and height.
+    /// A rule without conditions, for any slope and height.
     pub(crate) const ALWAYS: Self = Self {
         class: TerrainClass::Dirt,
         slope: [f64::NEG_INFINITY, f64::INFINITY],
@@ -121,7 +121,7 @@ impl SiteParams {
             }
         }
         if rules.last().is_none_or(|last| last.slope != always() || last.height != always()) {
-            let problem = "the last rule must hold always: give it neither slope nor height";
+            let problem = "the last rule must apply everywhere: give it neither slope nor height";
             return Err(flaw("ground.rules", problem));
         }
         Ok(())
@@ -146,7 +146,11 @@ mod tests {
                 "[40.0, 35.0]",
                 "ground.rules[1].slope: [40, 35] must be two numbers, lower first",
             ),
-            ("- {class: grass}", "- {class: grass, height: [0.0, 3.0]}", "the last rule must hold always"),
+            (
+                "- {class: grass}",
+                "- {class: grass, height: [0.0, 3.0]}",
+                "the last rule must apply everywhere",
+            ),
             ("legend: {}", "legend: {1: swamp}", "ground.legend"),
             ("side: 128.0", "sides: 128.0", "sides"),
         ];

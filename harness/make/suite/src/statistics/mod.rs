@@ -222,7 +222,7 @@ impl Survey {
                     p.provers.iter().map(|w| format!("{} {}", w.planner, w.version)).collect();
                 planners.dedup();
                 let (vehicle, rules) = (&p.conditions.vehicle.name, &p.conditions.rules.name);
-                format!("done by {} in a {vehicle} under the rules {rules}", planners.join(", "))
+                format!("solved by {} with the vehicle {vehicle} and the rules {rules}", planners.join(", "))
             }),
             worlds: self.worlds,
         }

@@ -53,7 +53,7 @@ impl SuiteStatistics {
     pub fn world_table(&self) -> Table {
         Table {
             title: "Worlds",
-            about: "Slope over 1 m; detour: length of the paths over the straight distance, mean.",
+            about: "Slope over 1 m; detour: mean of path length over straight distance.",
             head: vec![
                 "world",
                 "elevation",
@@ -91,7 +91,7 @@ impl SuiteStatistics {
         rows.push(row);
         Table {
             title: "Worlds by label",
-            about: "Number of worlds of each elevation, terrain and obstacle density; a dash is a choice that no world has.",
+            about: "Number of worlds of each elevation, terrain and obstacle density; a dash marks a combination without worlds.",
             head: vec!["elevation", "terrain", "sparse", "medium", "dense", "all"],
             rows,
         }
@@ -114,8 +114,8 @@ impl SuiteStatistics {
         let mut rows: Vec<_> = Elevation::ALL.iter().map(|e| row(e.name(), &|w| w.elevation == *e)).collect();
         rows.push(row("all", &|_| true));
         Table {
-            title: "Proven tasks",
-            about: "Tasks that somebody has done, of all, by elevation and terrain; the others may be impossible.",
+            title: "Tasks with solvability certificates",
+            about: "Tasks with a certificate, of all tasks, by elevation and terrain; the others may be unsolvable.",
             head: vec!["elevation", "rigid", "deformable", "mixed", "all"],
             rows,
         }
@@ -131,7 +131,7 @@ impl SuiteStatistics {
         });
         Table {
             title: "Surface",
-            about: "Standard deviation of height within a world (mean, least and greatest over worlds), relief from the lowest \
+            about: "Standard deviation of height within a world (mean, minimum and maximum over worlds), relief from the lowest \
                     to the highest node, and percentiles of slope over 1 m.",
             head: vec![
                 "elevation",
@@ -167,7 +167,7 @@ impl SuiteStatistics {
         }
         rows.push(row("RMS second difference over 1 m, mm", &|r| mm(r.second_difference)));
         rows.push(row("RMS twist of 1 m squares, mm", &|r| mm(r.twist)));
-        let belly = format!("poses with the belly ({CLEARANCE} m) in the ground, %");
+        let belly = format!("poses with belly contact ({CLEARANCE} m), %");
         rows.push(row(&belly, &|r| r.belly.map(|b| fixed(100.0 * b, 2))));
         rows.push(row("break-over p50, °", &|r| degrees(r.break_over.p50)));
         rows.push(row("break-over p95, °", &|r| degrees(r.break_over.p95)));
@@ -178,7 +178,7 @@ impl SuiteStatistics {
         Table {
             title: "Roughness",
             about: "By elevation level: height within octaves of wavelength; second differences and twists; random poses of an HMMWV on its \
-                    four wheels; the angle between the ground over the metre behind and the metre ahead of a point; slopes of facets.",
+                    four wheels; the angle between the terrain over the metre behind and the metre ahead of a point; slopes of facets.",
             head: vec!["figure", "low", "medium", "high"],
             rows,
         }
@@ -194,8 +194,8 @@ impl SuiteStatistics {
         });
         Table {
             title: "Ground",
-            about: "Share of the area and number of worlds that have the class; friction over the area; in how many worlds the \
-                    soil is soft, medium or hard.",
+            about: "Area fraction and number of worlds of each class; friction over the area; number of worlds with \
+                    soft, medium or hard soil.",
             head: vec![
                 "class", "area %", "worlds", "friction", "std", "min", "max", "soft", "medium", "hard",
             ],
@@ -216,8 +216,8 @@ impl SuiteStatistics {
         });
         Table {
             title: "Obstacles",
-            about: "All obstacles of the worlds of a density; width (the greater one) and height above the ground of boulders \
-                    and boxes; share of the area that they cover.",
+            about: "All obstacles of the worlds of a density; width (the larger one) and height above the terrain of boulders \
+                    and boxes; area fraction that they cover.",
             head: vec![
                 "density",
                 "worlds",
@@ -246,7 +246,7 @@ impl SuiteStatistics {
         });
         Table {
             title: "Paths by density",
-            about: "Length of the global paths, their length over the straight distance (detour), and their least distance to \
+            about: "Length of the global paths, their length over the straight distance (detour), and their minimum distance to \
                     an obstacle.",
             head: vec![
                 "density",
@@ -280,8 +280,8 @@ fn task_table(t: &TaskFigures) -> Table {
     rows.push(row("steepest, °", t.steepest, 1));
     Table {
         title: "Tasks",
-        about: "Over all tasks: straight from start to goal, the global path, its least distance to an obstacle, the sum of \
-                its rises and its greatest grade from waypoint to waypoint.",
+        about: "Over all tasks: straight distance from start to goal, global path, its minimum distance to an obstacle, its total \
+                ascent and its maximum grade between waypoints.",
         head: vec!["figure", "min", "mean", "p50", "p95", "max"],
         rows,
     }

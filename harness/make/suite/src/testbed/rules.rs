@@ -28,13 +28,13 @@ pub struct TestbedParams {
     pub path: PathParams,
 }
 
-/// The size of a bed, which is square.
+/// The size of the square bed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedParams {
     /// The side of the bed, m.
     pub side: f64,
-    /// The distance between the bed's nodes, m.
+    /// The node spacing, m.
     pub resolution: f64,
     /// The side of a patch of one material, m.
     pub patch: f64,
@@ -52,7 +52,7 @@ pub struct BedElevation {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BedLevel {
-    /// The level by which the bed is called.
+    /// The elevation level of the bed.
     pub level: Elevation,
     /// The standard deviation of the height over many beds of the level, m.
     pub std: f64,
@@ -63,7 +63,7 @@ pub struct BedLevel {
 pub struct Materials {
     /// The minimum and the maximum friction of a patch.
     pub clip: [f64; 2],
-    /// The materials, each of which covers as many patches as every other, or one more.
+    /// The materials; each covers the same number of patches, or one more.
     pub all: Vec<Material>,
 }
 
@@ -71,7 +71,7 @@ pub struct Materials {
 #[serde(deny_unknown_fields)]
 pub struct Material {
     pub name: String,
-    /// The terrain class that planners receive, a rigid one.
+    /// The rigid terrain class that planners receive.
     pub class: TerrainClass,
     /// The mean of a patch's Coulomb friction.
     pub mean: f64,
@@ -85,7 +85,7 @@ impl Material {
     }
 }
 
-/// A task that is driven again and again.
+/// The repeated trials of one task.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialParams {
@@ -96,7 +96,7 @@ pub struct TrialParams {
     pub noise: StartNoise,
 }
 
-/// The standard deviations by which starts differ from the planned one; the differences are clipped at two of them.
+/// The standard deviations of the start pose; deviations are clipped at two standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartNoise {
@@ -125,7 +125,7 @@ impl TestbedParams {
         for (k, material) in all.iter().enumerate() {
             let field = format!("materials.all[{k}]");
             if material.class.is_deformable() {
-                let problem = format!("{} yields: take a rigid class", material.class.name());
+                let problem = format!("{} is deformable: use a rigid class", material.class.name());
                 return Err(flaw(format!("{field}.class"), problem));
             }
             check_friction(&field, material.friction())?;
@@ -172,7 +172,7 @@ impl TestbedParams {
         }
         check_model("elevation.model", &self.elevation.model)?;
         if !(1..=999).contains(&self.elevation.beds.len()) {
-            return Err(flaw("elevation.beds", "there must be 1 to 999 of them"));
+            return Err(flaw("elevation.beds", "must have 1 to 999 entries"));
         }
         for (k, bed) in self.elevation.beds.iter().enumerate() {
             within(&format!("elevation.beds[{k}].std"), bed.std, 1e-3, 100.0)?;

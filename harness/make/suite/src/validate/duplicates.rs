@@ -31,15 +31,16 @@ impl Fingerprints {
         let is_level = low == high;
         let twin = |same: &dyn Fn(&Fingerprint) -> bool| self.seen.iter().find(|f| same(f)).map(|f| &f.id);
         if let Some(id) = twin(&|f| (f.heights, f.rest) == (heights, rest)) {
-            let problem =
-                format!("heights, ground, obstacles, beds and tasks are those of {id}: drop one of the two");
+            let problem = format!(
+                "heights, terrain, obstacles, beds and tasks equal those of {id}: remove one of the two"
+            );
             findings.error(Rule::Content, Part::World, "id", &problem);
         } else if let Some(id) = twin(&|f| f.heights == heights && !is_level) {
-            let problem = format!("has the heights of {id}: take another surface, or drop one of the two");
+            let problem = format!("has the heights of {id}: use another surface, or remove one of the two");
             findings.warn(Rule::Content, Part::Elevation, "heights", &problem);
         } else if let Some(id) = twin(&|f| f.shape == shape && !is_level) {
             let problem = format!(
-                "has the heights of {id}, turned or mirrored: take another surface, or drop one of the two"
+                "has the heights of {id}, rotated or mirrored: use another surface, or remove one of the two"
             );
             findings.warn(Rule::Content, Part::Elevation, "heights", &problem);
         }

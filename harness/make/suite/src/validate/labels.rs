@@ -27,7 +27,7 @@ pub(super) fn check(world: &World, rules: &GeneratorParams, findings: &mut Findi
     if too_flat || too_steep {
         let word = if too_flat { "flat" } else { "rugged" };
         let problem = format!(
-            "{} is odd for slopes like those of heights that spread by {std:.3} m (usual for it: {usual} m): too {word}; name another \
+            "{} is unusual for slopes that correspond to a height standard deviation of {std:.3} m (usual: {usual} m): too {word}; use another \
              level or scale the heights",
             world.elevation.name()
         );
@@ -41,7 +41,7 @@ pub(super) fn check(world: &World, rules: &GeneratorParams, findings: &mut Findi
     let fits = Density::ALL.into_iter().all(|d| off(world.density) <= off(d));
     if !fits {
         let problem = format!(
-            "{} is odd for {} obstacles, which make {here:.0} on 128 x 128 m (usual for it: {}): name another density or change \
+            "{} is unusual for {} obstacles, which correspond to {here:.0} on 128 x 128 m (usual: {}): use another density or change \
              their number",
             world.density.name(),
             world.obstacles.len(),

@@ -164,7 +164,7 @@ impl<'a> Findings<'a> {
                 let (world, more) = (self.world.unwrap_or("the suite"), count - SHOWN);
                 let s = if more == 1 { "" } else { "s" };
                 let text = format!(
-                    "{world}: {more} more finding{s} of the rule {}: mend those above first",
+                    "{world}: {more} more finding{s} of the rule {}: fix those above first",
                     rule.name()
                 );
                 self.all.push(Finding { severity, rule, world: self.world.map(str::to_owned), text });
@@ -213,15 +213,18 @@ fn check(world: &World, limits: &Limits, findings: &mut Findings<'_>) {
     let footprints = Footprints::new(&world.obstacles);
     tasks::check(world, &footprints, limits, findings);
     for [i, j] in footprints.overlaps() {
-        let problem = format!("overlaps obstacles[{j}]: move one of them, or drop the one within the other");
+        let problem = format!("overlaps obstacles[{j}]: move one of them, or remove the inner one");
         findings.warn(Rule::Obstacles, Part::Obstacles, &format!("obstacles[{i}]"), &problem);
     }
     for (k, o) in world.obstacles.iter().enumerate() {
         let height = o.size()[2];
         let problem = if o.buried < 0.0 {
-            format!("{} lets it hang {:.2} m above the ground: make it 0 or more", o.buried, -o.buried)
+            format!("{} lets it hang {:.2} m above the terrain: use 0 or more", o.buried, -o.buried)
         } else if o.buried >= height {
-            format!("{} hides all of its {height} m at its centre: make it less, or drop it", o.buried)
+            format!(
+                "{} buries all of its {height} m at its centre: lower it, or remove the obstacle",
+                o.buried
+            )
         } else {
             continue;
         };
@@ -234,22 +237,26 @@ fn check(world: &World, limits: &Limits, findings: &mut Findings<'_>) {
 fn whole(suite: &Suite, findings: &mut Findings<'_>) {
     let index = suite.dir().join("suite.yaml");
     if suite.worlds().is_empty() {
-        let text = format!("{}: worlds: is empty, there is nothing to drive: add worlds", index.display());
+        let text = format!("{}: worlds: is empty: add worlds", index.display());
         findings.say(Severity::Warning, Rule::Content, text);
     }
-    if let Some(released) = released::hash_of(suite).filter(|released| *released != suite.hash()) {
-        let SuiteMeta { name, version, .. } = suite.meta();
-        let text = format!(
-            "{}: version: {name} {version} was released with the hash {released}, and this one's is {}: give what was changed a version or a name of its own",
-            index.display(),
-            suite.hash()
-        );
-        findings.say(Severity::Error, Rule::Content, text);
+    match released::hash_of(suite.meta()) {
+        Ok(Some(released)) if released != suite.hash() => {
+            let SuiteMeta { name, version, .. } = suite.meta();
+            let text = format!(
+                "{}: version: {name} {version} was released with the hash {released}, not {}: give the changed suite another version or name",
+                index.display(),
+                suite.hash()
+            );
+            findings.say(Severity::Error, Rule::Content, text);
+        }
+        Ok(_) => {}
+        Err(problem) => findings.say(Severity::Error, Rule::Content, vb_files::one_line(&problem)),
     }
     for folder in folders(&suite.dir().join("worlds")) {
         if suite.worlds().iter().all(|w| w.id != folder) {
             let text = format!(
-                "{}: worlds: does not list the folder worlds/{folder}, which nobody will drive: list it or remove it",
+                "{}: worlds: does not list the folder worlds/{folder}: list it or remove it",
                 index.display()
             );
             findings.say(Severity::Warning, Rule::Content, text);

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use vb_files::yaml;
-use vb_world::Suite;
+use vb_world::SuiteMeta;
 
 /// `tasks/released.yaml`, the list that this build was made with.
 const LIST: &str = include_str!("../../../../../tasks/released.yaml");
@@ -23,18 +23,26 @@ struct Released {
     sha256: String,
 }
 
-/// The hash under which a suite of this name and version was released, if it was.
-pub(super) fn hash_of(suite: &Suite) -> Option<String> {
-    let list: List = yaml::parse(LIST).ok()?;
-    let meta = suite.meta();
-    let is_meant = |r: &&Released| r.name == meta.name && r.version == meta.version;
-    list.suites.iter().find(is_meant).map(|r| r.sha256.clone())
+/// The hash under which a suite of this name and version was released; `None` if it was not released.
+///
+/// # Errors
+/// Returns the problem if the list can't be read.
+pub(super) fn hash_of(meta: &SuiteMeta) -> Result<Option<String>, String> {
+    hash_in(LIST, meta)
+}
+
+fn hash_in(list: &str, meta: &SuiteMeta) -> Result<Option<String>, String> {
+    let list: List = yaml::parse(list)
+        .map_err(|e| format!("tasks/released.yaml of this build: {}: {}", e.field, e.problem))?;
+    let released = list.suites.into_iter().find(|r| r.name == meta.name && r.version == meta.version);
+    Ok(released.map(|r| r.sha256))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::path::Path;
+    use vb_world::Suite;
 
     #[test]
     fn the_suites_in_tasks_are_those_that_were_released() {
@@ -43,7 +51,16 @@ mod tests {
         for name in ["granular", "smoke", "testbed", "vb-100"] {
             let tasks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tasks");
             let suite = Suite::open(tasks.join(name)).unwrap();
-            assert_eq!(hash_of(&suite), Some(suite.hash()), "a changed suite needs a new version");
+            let released = hash_of(suite.meta()).unwrap();
+            assert_eq!(released, Some(suite.hash()), "a changed suite needs a new version");
         }
+    }
+
+    #[test]
+    fn a_list_that_cannot_be_read_is_an_error() {
+        let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tasks/smoke");
+        let smoke = Suite::open(smoke).unwrap();
+        let error = hash_in(&LIST.replacen("sha256:", "sha265:", 1), smoke.meta()).unwrap_err();
+        assert!(error.contains("tasks/released.yaml") && error.contains("sha265"), "{error}");
     }
 }

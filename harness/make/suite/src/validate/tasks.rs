@@ -11,7 +11,7 @@ const ROUNDING: f64 = 2e-3;
 
 pub(super) fn check(world: &World, footprints: &Footprints, limits: &Limits, findings: &mut Findings<'_>) {
     if world.tasks.is_empty() {
-        findings.warn(Rule::Content, Part::Tasks, "tasks", "is empty, there is nothing to drive: add tasks");
+        findings.warn(Rule::Content, Part::Tasks, "tasks", "is empty: add tasks");
     }
     for (k, task) in world.tasks.iter().enumerate() {
         let task = Check { world, footprints, limits, task, name: format!("tasks[{k}] ({})", task.id) };
@@ -21,7 +21,7 @@ pub(super) fn check(world: &World, footprints: &Footprints, limits: &Limits, fin
         task.tilt(findings);
         let same = |other: &&Task| (other.start, other.goal) == (task.task.start, task.task.goal);
         if let Some(twin) = world.tasks[..k].iter().find(same) {
-            let problem = format!("has start and goal of {}: drop one of them", twin.id);
+            let problem = format!("has start and goal of {}: remove one of them", twin.id);
             findings.warn(Rule::Content, Part::Tasks, &task.name, &problem);
         }
     }
@@ -59,7 +59,7 @@ impl Check<'_> {
         if turned > 90.0 {
             let field = format!("{}.start.yaw", self.name);
             let problem =
-                format!("faces {turned:.0}° away from the path's first leg: turn it towards the path");
+                format!("faces {turned:.0}° away from the path's first segment: turn it towards the path");
             findings.warn(Rule::Ends, Part::Tasks, &field, &problem);
         }
     }
@@ -78,14 +78,14 @@ impl Check<'_> {
         }
         if let Some(corner) = outline.iter().find(|p| !ground.contains(p[0], p[1])) {
             error(format!(
-                "at {at} a corner of the vehicle, {}, lies outside the world: move it inwards",
+                "at {at} a corner of the vehicle, {}, is outside the world: move it inwards",
                 point(*corner)
             ));
         }
         let tilt = vehicle.tilt(ground, pose);
         let steep = |limit: f64| {
             format!(
-                "at {at} the ground under the vehicle tilts by {tilt:.1}°, more than {limit}°: move it to flatter ground"
+                "at {at} the terrain under the vehicle is tilted by {tilt:.1}°, more than {limit}°: move it to flatter terrain"
             )
         };
         if tilt > self.limits.tilt {
@@ -106,8 +106,8 @@ impl Check<'_> {
         let (needed, mu) = (s / c, self.world.friction_at(x, y));
         if needed > mu {
             let problem = format!(
-                "a vehicle at rest slides off: the ground tilts by {tilt:.1}° with friction {mu:.2}, {needed:.2} is needed: \
-                 move it to flatter ground"
+                "a vehicle at rest slides off: a tilt of {tilt:.1}° with friction {mu:.2} needs {needed:.2}: \
+                 move it to flatter terrain"
             );
             findings.warn(Rule::Ends, Part::Tasks, &format!("{}.start", self.name), &problem);
         }
@@ -121,13 +121,13 @@ impl Check<'_> {
             let obstacle = near.obstacle;
             if distance < half {
                 let problem = format!(
-                    "passes obstacles[{obstacle}] at {distance:.2} m, less than half the vehicle's width of {half:.2} m: plan it \
-                     anew or move the obstacle"
+                    "passes obstacles[{obstacle}] at {distance:.2} m, less than half the vehicle's width of {half:.2} m: re-plan it \
+                     or move the obstacle"
                 );
                 findings.error(Rule::Path, Part::Tasks, &field, &problem);
             } else if distance < self.limits.clearance - ROUNDING {
                 let problem = format!(
-                    "passes obstacles[{obstacle}] at {distance:.2} m, closer than {} m: plan it anew or move the obstacle",
+                    "passes obstacles[{obstacle}] at {distance:.2} m, less than {} m: re-plan it or move the obstacle",
                     self.limits.clearance
                 );
                 findings.warn(Rule::Path, Part::Tasks, &field, &problem);
@@ -138,7 +138,7 @@ impl Check<'_> {
             |p: &[f64; 2]| p[0].abs() + half > ground.half_x() || p[1].abs() + half > ground.half_y();
         if let Some(k) = path.iter().position(beyond) {
             let problem = format!(
-                "{} is closer to the world's edge than half the vehicle's width of {half:.2} m: lead it further inwards",
+                "{} is closer to the world's edge than half the vehicle's width of {half:.2} m: move it further inwards",
                 point(path[k])
             );
             findings.warn(Rule::Path, Part::Tasks, &format!("{}.path[{k}]", self.name), &problem);
@@ -153,7 +153,7 @@ impl Check<'_> {
                 widest = (k, gap);
             }
             if gap == 0.0 {
-                let problem = format!("{} stands twice: drop one of them", point(self.task.path[k]));
+                let problem = format!("{} is a duplicate: remove it", point(self.task.path[k]));
                 findings.warn(Rule::Path, Part::Tasks, &format!("{}.path[{k}]", self.name), &problem);
             }
         }
@@ -186,7 +186,7 @@ impl Check<'_> {
         let (k, tilt, [x, y]) = worst;
         if tilt > self.limits.tilt {
             let problem = format!(
-                "tilts the vehicle by {tilt:.1}° at [{x:.1}, {y:.1}], more than {}°: lead it round the slope",
+                "tilts the vehicle by {tilt:.1}° at [{x:.1}, {y:.1}], more than {}°: re-plan it around the slope",
                 self.limits.tilt
             );
             findings.warn(Rule::Path, Part::Tasks, &format!("{}.path[{k}]", self.name), &problem);

@@ -158,8 +158,8 @@ fn a_start_on_ground_too_steep_to_stand_on_is_an_error_and_one_too_slippery_a_wa
     };
     // atan 1.1 = 47.7°, beyond 45°; atan 0.65 = 33°, beyond 31°, the 60 % grade. Held by frictions of 1.2 and 0.9.
     let says = |tilt| ["tasks[0] (t05).start", tilt, "flatter"];
-    only(&tilted(1.1, 1.2), Severity::Error, Rule::Ends, &says("tilts by 47."));
-    only(&tilted(0.65, 0.9), Severity::Warning, Rule::Ends, &says("tilts by 33."));
+    only(&tilted(1.1, 1.2), Severity::Error, Rule::Ends, &says("is tilted by 47."));
+    only(&tilted(0.65, 0.9), Severity::Warning, Rule::Ends, &says("is tilted by 33."));
     // atan 0.3 = 16.7°: fine for the vehicle, but 0.25 does not hold it; 0.35 does.
     only(&tilted(0.3, 0.25), Severity::Warning, Rule::Ends, &["slides off", "friction 0.25"]);
     assert!(tilted(0.3, 0.35).is_empty());
@@ -211,7 +211,7 @@ fn waypoints_too_far_apart_or_on_one_spot_and_a_path_along_the_edge_are_warned_o
         let twice = w.tasks[0].path[7];
         w.tasks[0].path.insert(7, twice);
     });
-    only(&found, Severity::Warning, Rule::Path, &["path[7]", "stands twice"]);
+    only(&found, Severity::Warning, Rule::Path, &["path[7]", "is a duplicate"]);
     let found = after(|w| {
         flat(w);
         w.obstacles.truncate(0);
@@ -260,25 +260,25 @@ fn obstacles_that_overlap_hang_or_are_hidden_are_warned_of() {
     let hanging = Obstacle { buried: -0.75, ..cube(55.0, -40.0, 2.0) };
     only(&with(vec![hanging]), Severity::Warning, Rule::Obstacles, &["obstacles[10].buried", "hang 0.75 m"]);
     let hidden = Obstacle { buried: 2.0, ..hanging };
-    only(&with(vec![hidden]), Severity::Warning, Rule::Obstacles, &["obstacles[10].buried", "hides all"]);
+    only(&with(vec![hidden]), Severity::Warning, Rule::Obstacles, &["obstacles[10].buried", "buries all"]);
 }
 
 #[test]
 fn labels_that_the_world_belies_are_warned_of() {
     // The world is low (0.17 m) and sparse (11 obstacles).
     let found = after(|w| w.elevation = Elevation::High);
-    only(&found, Severity::Warning, Rule::Labels, &["world.yaml: elevation: high is odd", "too flat"]);
+    only(&found, Severity::Warning, Rule::Labels, &["world.yaml: elevation: high is unusual", "too flat"]);
     let found = after(|w| w.density = Density::Dense);
     only(
         &found,
         Severity::Warning,
         Rule::Labels,
-        &["world.yaml: density: dense is odd for 11 obstacles", "43"],
+        &["world.yaml: density: dense is unusual for 11 obstacles", "43"],
     );
     let high = built_in("smoke").load_world("w003").unwrap();
     assert_eq!(high.elevation, Elevation::High);
     let found = findings(&[World { id: "w001".into(), elevation: Elevation::Low, ..high }]);
-    only(&found, Severity::Warning, Rule::Labels, &["low is odd", "too rugged"]);
+    only(&found, Severity::Warning, Rule::Labels, &["low is unusual", "too rugged"]);
 }
 
 #[test]

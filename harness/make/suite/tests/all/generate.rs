@@ -383,7 +383,7 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
     let wide =
         error(&[("path: {clearance: 3.5", "path: {clearance: 9.5"), ("attempts: 500", "attempts: 5000")], 2);
     let text = wide.to_string();
-    assert!(text.contains("w003/t") && text.contains("obstacles were drawn 20 times"), "{text}");
+    assert!(text.contains("w003/t") && text.contains("obstacles were sampled 20 times"), "{text}");
 
     // A coarse surface is drawn faster, and all of them are drawn in vain.
     let coarse = ("grid: {nodes: 129, resolution: 1.0}", "grid: {nodes: 33, resolution: 4.0}");
@@ -404,15 +404,15 @@ fn rules_that_can_not_be_met_are_given_up_soon_and_named() {
         Generator { rules: &rules, model: &model, seed: 1, worlds: 1 }.world(0).unwrap_err().to_string()
     };
     let cases: [(&[(&str, &str)], &str); 7] = [
-        (&[("tilt: 20.0", "tilt: 0.0")], "raise tasks.stand.tilt (100 % of the places"),
-        (&[("unevenness: 1.0", "unevenness: 0.0")], "raise tasks.stand.unevenness (100 % of the places"),
-        (&[("twist: 0.2", "twist: 0.0")], "raise tasks.stand.twist (100 % of the places"),
-        (&[("grip: 0.7", "grip: 0.0")], "raise tasks.stand.grip (100 % of the places"),
+        (&[("tilt: 20.0", "tilt: 0.0")], "raise tasks.stand.tilt (100 % of the positions"),
+        (&[("unevenness: 1.0", "unevenness: 0.0")], "raise tasks.stand.unevenness (100 % of the positions"),
+        (&[("twist: 0.2", "twist: 0.0")], "raise tasks.stand.twist (100 % of the positions"),
+        (&[("grip: 0.7", "grip: 0.0")], "raise tasks.stand.grip (100 % of the positions"),
         (
             &[("radius: 60.0", "radius: 64.0"), ("reach: 3.0", "reach: 60.0")],
             "lower tasks.radius or tasks.stand.reach",
         ),
-        (&[("count: 10", "count: 400")], "at most, and 400 are wanted all around"),
+        (&[("count: 10", "count: 400")], "of 400 tasks: lower"),
         (&[("centre_spread: 0.288", "centre_spread: 0.001"), ("rigid: [1, 7]", "rigid: [5, 7]")], "w001: "),
     ];
     for (changes, says) in cases {

@@ -447,7 +447,7 @@ fn the_layout_is_found_from_its_folder_and_from_above_and_below() {
 fn missing_files_are_named() {
     let empty = tempfile::tempdir().unwrap();
     let message = error(empty.path());
-    assert!(message.contains("no world found: name the original's BenchMaps folder"), "{message}");
+    assert!(message.contains("no world found: give the original's BenchMaps folder"), "{message}");
     let Some(shared) = shared() else { return };
     for file in ["Worlds/1.bmp", "Configs/Final/labels1_high.npy"] {
         let dir = copy_of_world_1(&shared);

@@ -141,7 +141,7 @@ fn what_cannot_be_planned_says_why() {
     let params = narrow();
     let message = |start, goal| plan(&w, start, goal, &params).unwrap_err().to_string();
     let no_way = message([-40.0, 0.0], [40.0, 0.0]);
-    assert!(no_way.contains("no way from [-40.0, 0.0] to [40.0, 0.0] keeps 2.5 m"), "{no_way}");
+    assert!(no_way.contains("no path from [-40.0, 0.0] to [40.0, 0.0] has a clearance of 2.5 m"), "{no_way}");
     let close = message([-40.0, 0.0], [52.0, 3.0]);
     assert!(close.contains("goal [52.0, 3.0] lies 1.50 m from obstacles[0]"), "{close}");
     let outside = message([-70.0, 0.0], [0.0, 0.0]);

@@ -127,5 +127,5 @@ fn rules_that_no_surface_can_keep_are_named_as_the_file_names_them() {
         "{level}"
     );
     let rough = error(&[("std: 0.165", "std: 99.0")]);
-    assert!(rough.starts_with("bed or elevation: a share of"), "{rough}");
+    assert!(rough.starts_with("bed or elevation: a relief fraction of"), "{rough}");
 }

@@ -69,7 +69,7 @@ impl<R: BufRead> Words<R> {
         if self.word.is_empty() {
             return Ok(None);
         }
-        let text = std::str::from_utf8(&self.word).map_err(|_| Flaw::Damaged("is no text".into()))?;
+        let text = std::str::from_utf8(&self.word).map_err(|_| Flaw::Damaged("is not text".into()))?;
         Ok(Some(text.trim_start_matches('\u{feff}')))
     }
 }
@@ -95,7 +95,7 @@ pub(super) fn read(path: &Path, size: u64) -> Result<Found, Flaw> {
         if !KEYS.contains(&key.as_str()) && !NO_DATA.contains(&key.as_str()) {
             break value(word)?;
         }
-        let Some(text) = words.next()? else { return Err(Flaw::Truncated(format!("it ends behind {key}"))) };
+        let Some(text) = words.next()? else { return Err(Flaw::Truncated(format!("it ends after {key}"))) };
         header.take(&key, text)?;
     };
     let missing = |what: &str| Flaw::Damaged(format!("its header lacks {what}"));
@@ -109,30 +109,28 @@ pub(super) fn read(path: &Path, size: u64) -> Result<Found, Flaw> {
     // A number and a blank take two bytes.
     let count = rows * cols;
     if size < 2 * count {
-        return Err(Flaw::Truncated(format!("{size} bytes can't hold {cols} x {rows} numbers")));
+        return Err(Flaw::Truncated(format!("{size} bytes cannot contain {cols} x {rows} numbers")));
     }
     let mut values = Vec::with_capacity(count as usize);
     values.push(first);
     while (values.len() as u64) < count {
         let Some(word) = words.next()? else {
             return Err(Flaw::Truncated(format!(
-                "{} numbers, but {cols} x {rows} are announced",
+                "{} numbers, but the header declares {cols} x {rows}",
                 values.len()
             )));
         };
         values.push(value(word)?);
     }
     if let Some(word) = words.next()? {
-        return Err(Flaw::Damaged(format!(
-            "{word:?} and perhaps more follow the {cols} x {rows} numbers that are announced"
-        )));
+        return Err(Flaw::Damaged(format!("{word:?} follows the {cols} x {rows} declared numbers")));
     }
     let mark = header.no_data.unwrap_or(DEFAULT_NO_DATA);
     let no_data: Vec<bool> =
         values.iter().map(|v| *v == mark || (v.is_nan() && mark.is_nan()) || same_end(*v, mark)).collect();
     let mut notes = Vec::new();
     if header.no_data.is_none() && no_data.contains(&true) {
-        notes.push("it names no mark of no data: -9999 is taken for it, as ESRI defines".into());
+        notes.push("it has no NODATA_value: -9999 is used, as defined by ESRI".into());
     }
     // The first row is the northernmost, its coordinate that of the southernmost and the others.
     let origin = match header.corner {
@@ -153,12 +151,12 @@ fn same_end(v: f64, mark: f64) -> bool {
 }
 
 fn value(word: &str) -> Result<f64, Flaw> {
-    number(word).ok_or_else(|| Flaw::Damaged(format!("{word:?} is no number")))
+    number(word).ok_or_else(|| Flaw::Damaged(format!("{word:?} is not a number")))
 }
 
 impl Header {
     fn take(&mut self, key: &str, text: &str) -> Result<(), Flaw> {
-        let bad = || Flaw::Damaged(format!("{key} is {text:?}, which is no number"));
+        let bad = || Flaw::Damaged(format!("{key} is {text:?}, which is not a number"));
         let count = || {
             number(text)
                 .filter(|v| *v >= 0.0 && v.fract() == 0.0 && *v < 1e15)
@@ -201,7 +199,7 @@ pub(super) fn well_known(text: &str) -> (Option<Crs>, Option<Length>) {
     let vertical = upper.find("VERT_CS[").or(upper.find("VERTCS["));
     let end = vertical.unwrap_or(text.len()).max(at);
     let (horizontal, heights) = (&text[at..end], vertical.map(|v| &text[v..]));
-    let name = horizontal.split('"').nth(1).unwrap_or("a system of its own").to_owned();
+    let name = horizontal.split('"').nth(1).unwrap_or("an unnamed system").to_owned();
     let unit = |part: &str| {
         let unit = part.to_ascii_uppercase().rfind("UNIT[")?;
         let mut fields = part[unit + 5..].splitn(3, ',');

@@ -38,7 +38,7 @@ impl Header {
             .map_err(|e| Flaw::Damaged(format!("its header {name} can't be read: {e}")))?;
         if text.trim_start().starts_with("ENVI") {
             return Err(Flaw::Format(
-                "has a header of ENVI, which is not read: convert it with gdal_translate -of GTiff -co COMPRESS=DEFLATE IN OUT.tif".into(),
+                "has an ENVI header, which is not supported: convert it with gdal_translate -of GTiff -co COMPRESS=DEFLATE IN OUT.tif".into(),
             ));
         }
         let mut fields = BTreeMap::new();
@@ -57,9 +57,9 @@ impl Header {
 
     fn float(&self, key: &str) -> Result<Option<f64>, Flaw> {
         let Some(text) = self.fields.get(key) else { return Ok(None) };
-        number(text)
-            .map(Some)
-            .ok_or_else(|| Flaw::Damaged(format!("{} in {} is {text:?}, which is no number", key, self.name)))
+        number(text).map(Some).ok_or_else(|| {
+            Flaw::Damaged(format!("{} in {} is {text:?}, which is not a number", key, self.name))
+        })
     }
 
     fn count(&self, key: &str) -> Result<Option<u64>, Flaw> {
@@ -82,7 +82,7 @@ pub(super) fn read(path: &Path, header: &Path, size: u64) -> Result<Found, Flaw>
     let bands = header.count("NBANDS")?.unwrap_or(1);
     if bands != 1 {
         return Err(Flaw::Rank(format!(
-            "{bands} bands: pick the one of heights with gdal_translate -b 1 IN OUT.tif"
+            "{bands} bands: select the height band with gdal_translate -b 1 IN OUT.tif"
         )));
     }
     let float_grid = header.text("CELLSIZE").is_some() && header.text("NBITS").is_none();
@@ -167,8 +167,7 @@ pub(super) fn srtm(path: &Path, tile: &Tile) -> Result<Found, Flaw> {
     let Tile { corner, rows, cols } = *tile;
     let Some([west, south]) = corner else {
         return Err(Flaw::Coordinates(
-            "its name doesn't say where it lies: name it by its south-western corner, such as N44W072.hgt"
-                .into(),
+            "its name has no position: name it after its south-western corner, e.g. N44W072.hgt".into(),
         ));
     };
     let layout =

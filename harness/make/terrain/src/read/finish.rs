@@ -89,7 +89,7 @@ pub(super) fn finish(found: Found, options: &Options) -> Result<Survey, Flaw> {
             return Err(Flaw::Unmarked { value, count });
         }
         notes.push(format!(
-            "{count} samples of {} are far from all others and taken for unmarked no data: mark them with --no-data {} to be sure, or \
+            "{count} samples of {} are far from all others and are treated as unmarked no data: mark them with --no-data {}, or \
              keep them as heights with --keep-values",
             short(value), short(value)
         ));
@@ -182,7 +182,7 @@ fn guess(lay: &Lay, [rows, cols]: [usize; 2], notes: &mut Vec<String>) -> Option
     if !(small(lay.right) && small(lay.down) && on_globe) {
         return None;
     }
-    notes.push("coordinates look like degrees and no system is named: taken for WGS 84 (EPSG:4326), another one can be given with --crs".into());
+    notes.push("coordinates look like degrees without a coordinate system: WGS 84 (EPSG:4326) is assumed; give another with --crs".into());
     Some(Crs::wgs84())
 }
 
@@ -197,7 +197,7 @@ fn turn(
     let sides = [vb_math::hypot(right[0], right[1]), vb_math::hypot(down[0], down[1])];
     if !sides.iter().all(|s| s.is_finite() && *s > 0.0) {
         return Err(Flaw::Coordinates(format!(
-            "pixels of {} x {} are no size: restore the file",
+            "the pixel size {} x {} is invalid: restore the file",
             sides[0], sides[1]
         )));
     }
@@ -244,7 +244,7 @@ fn lay_out(
     let Some(lay) = lay else {
         if options.crs.is_some() {
             notes.push(
-                "the file doesn't say where it lies: the coordinate reference system that was given is of no use".into(),
+                "the file has no position, so the given coordinate reference system has no effect".into(),
             );
         }
         return Ok((raster.with_resolution(options.resolution), None));
@@ -258,7 +258,7 @@ fn lay_out(
     if let Some(system) = crs.as_ref().filter(|crs| crs.geographic) {
         let Some(origin) = lay.origin else {
             return Err(Flaw::Coordinates(
-                "coordinates are degrees, but it doesn't say where it lies: give it its place".into(),
+                "coordinates are degrees, but the file has no position: add a georeference".into(),
             ));
         };
         return projected(&raster, &lay, origin, system, options, notes);
@@ -278,7 +278,7 @@ fn lay_out(
             ));
         } else {
             notes.push(format!(
-                "a unit of {} is {of} m on the ground here, but taken for {} m: does the survey lie in the area of this system?",
+                "a unit of {} is {of} m on the ground here, but {} m is used: check that the survey is in the area of this system",
                 crs.name,
                 short(unit)
             ));
@@ -342,15 +342,15 @@ fn projected(
     let Some(zone) = zone else {
         if [origin[1], last[1]].iter().any(|lat| lat.abs() > 90.5) {
             return Err(Flaw::Coordinates(format!(
-                "its coordinates are degrees ({}), but reach from latitude {} to {}: its place is wrong, or its coordinate system, which \
-                 can be given with --crs",
+                "its coordinates are degrees ({}), but reach from latitude {} to {}: its position or its coordinate system is wrong (give one \
+                 with --crs)",
                 system.name,
                 short(last[1]),
                 short(origin[1])
             )));
         }
         return Err(Flaw::Coordinates(format!(
-            "lies about latitude {}, where no zone of UTM is: reproject it with gdalwarp -t_srs EPSG:CODE -r bilinear IN OUT.tif",
+            "is at latitude {}, outside the UTM zones: reproject it with gdalwarp -t_srs EPSG:CODE -r bilinear IN OUT.tif",
             short(middle[1])
         )));
     };
@@ -360,7 +360,7 @@ fn projected(
     };
     if turned(origin[0]).max(turned(last[0])) > ZONE || origin[1].abs().max(last[1].abs()) > 85.0 {
         return Err(Flaw::Coordinates(format!(
-            "covers {} x {} degrees, too much for one zone of UTM: cut a part with gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT.tif",
+            "covers {} x {} degrees, too large for one UTM zone: cut a part with gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT.tif",
             short(cols as f64 * step[0]),
             short(rows as f64 * step[1])
         )));
@@ -374,7 +374,7 @@ fn projected(
     let side = options.resolution.unwrap_or_else(|| three_digits(x.min(y).max(0.5 * (x * y).sqrt())));
     if !(side.is_finite() && side > 0.0) {
         return Err(Flaw::Coordinates(format!(
-            "pixels of {} x {} degrees are no size: restore the file",
+            "the pixel size {} x {} degrees is invalid: restore the file",
             step[0], step[1]
         )));
     }

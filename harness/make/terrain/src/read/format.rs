@@ -82,10 +82,10 @@ fn is_course(start: &[u8]) -> bool {
 /// What a file is that is no elevation file of those that are read, with the way to make one of it.
 fn known(start: &[u8]) -> Option<String> {
     let has = |at: usize, bytes: &[u8]| start.get(at..at + bytes.len()) == Some(bytes);
-    let translate = |name: &str| Some(format!("is {name}, which is not read: {CONVERT} IN OUT.tif"));
+    let translate = |name: &str| Some(format!("is {name}, which is not supported: {CONVERT} IN OUT.tif"));
     if has(0, b"\xff\xd8\xff") {
         return Some(format!(
-            "is a JPEG picture, whose samples are not exact: take the original, or {CONVERT} IN OUT.tif"
+            "is a JPEG picture, whose samples are lossy: use the original, or {CONVERT} IN OUT.tif"
         ));
     }
     if has(0, b"RIFF") && has(8, b"WEBP") {
@@ -114,12 +114,11 @@ fn known(start: &[u8]) -> Option<String> {
     }
     if has(0, b"LASF") {
         return Some(
-            "is a cloud of points (LAS): make a grid of it first, for instance with pdal and writers.gdal"
-                .into(),
+            "is a cloud of points (LAS): rasterise it first, e.g. with pdal and writers.gdal".into(),
         );
     }
     if has(0, b"\xd0\xcf\x11\xe0") {
-        return Some("is a document of Office and no elevation file".into());
+        return Some("is an Office document, not an elevation file".into());
     }
     let text = String::from_utf8_lossy(start);
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -136,16 +135,16 @@ fn known(start: &[u8]) -> Option<String> {
         || lower.starts_with("v ")
         || lower.starts_with("mtllib")
     {
-        return Some("is a mesh: make a grid of heights of it first".into());
+        return Some("is a mesh: rasterise its heights first".into());
     }
     if lower.starts_with('{') || lower.starts_with('[') {
-        return Some("is JSON and no elevation file: give the file of heights that it may name".into());
+        return Some("is JSON, not an elevation file: give the height file that it may refer to".into());
     }
     if lower.starts_with("nrows") && lower.contains("layout") || lower.starts_with("byteorder") {
         return Some("is the header of a binary grid: give the file of samples next to it".into());
     }
     if lower.starts_with('<') {
-        return Some("is XML or HTML and no elevation file".into());
+        return Some("is XML or HTML, not an elevation file".into());
     }
     None
 }
@@ -200,7 +199,7 @@ fn unknown(path: &Path) -> Flaw {
         _ => "",
     };
     Flaw::Format(format!(
-        "its content is no elevation file that is read (GeoTIFF, ESRI grid .asc or .bil, SRTM .hgt, NumPy .npy or .npz, PNG, BMP, OpenCRG .crg){binary}: {CONVERT} IN OUT.tif, \
+        "its content is not a supported elevation file (GeoTIFF, ESRI grid .asc or .bil, SRTM .hgt, NumPy .npy or .npz, PNG, BMP, OpenCRG .crg){binary}: {CONVERT} IN OUT.tif, \
          if GDAL reads it"
     ))
 }

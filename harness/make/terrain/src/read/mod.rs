@@ -68,7 +68,7 @@ pub enum Flaw {
     Format(String),
     #[error("{found} {unit} are more than {limit}: cut it into parts")]
     TooLarge { found: u64, limit: u64, unit: &'static str },
-    #[error("was cut short ({0}): restore the file")]
+    #[error("is truncated ({0}): restore the file")]
     Truncated(String),
     #[error("{0}: it is damaged, restore it")]
     Damaged(String),
@@ -107,16 +107,16 @@ pub enum Flaw {
     },
     /// Some heights are values that programs use for places without one, far from all others, and not marked so.
     #[error(
-        "{count} samples are {value}, far from all others, which looks like no data without a mark: mark it with gdal_edit.py -a_nodata {value}, and fill the holes"
+        "{count} samples are {value}, far from all others, which looks like unmarked no data: mark it with gdal_edit.py -a_nodata {value}, and fill the holes"
     )]
     Unmarked { value: f64, count: usize },
-    #[error("all samples are marked as no data: take another file or band")]
+    #[error("all samples are marked as no data: use another file or band")]
     NoHeights,
     #[error(
-        "its mark of no data is {0:?}, which is no number: correct it with gdal_edit.py -a_nodata VALUE, or give the value with --no-data"
+        "its no-data value is {0:?}, which is not a number: correct it with gdal_edit.py -a_nodata VALUE, or give the value with --no-data"
     )]
     Mark(String),
-    #[error("heights are in {0}, a unit that is not known: give the metres that one is with --unit")]
+    #[error("heights are in {0}, which is an unknown unit: give its length in metres with --unit")]
     HeightUnit(String),
     /// Its coordinate system or pixel size can't be used.
     #[error("{0}")]
@@ -183,5 +183,5 @@ fn check_size(rows: u64, cols: u64) -> Result<(), Flaw> {
 
 /// One line of a library's error.
 fn line(e: &dyn std::fmt::Display) -> String {
-    e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    vb_files::one_line(&e.to_string())
 }

@@ -53,7 +53,7 @@ impl<R: BufRead + Seek> Array<R> {
             ref shape => {
                 let sides: Vec<_> = shape.iter().map(u64::to_string).collect();
                 return Err(Flaw::Rank(format!(
-                    "an array of {} dimensions ({}): must be of two",
+                    "an array of {} dimensions ({}): must have two",
                     shape.len(),
                     sides.join(" x ")
                 )));
@@ -119,7 +119,7 @@ fn check_header(source: &mut impl std::io::Read) -> Result<(), Flaw> {
     let header = &start[text..start.len().min(text + length)];
     let count = |of: &[u8]| header.iter().filter(|b| of.contains(b)).count();
     if count(b"([{") > BRACKETS {
-        return Err(Flaw::Damaged("its header has brackets within brackets".into()));
+        return Err(Flaw::Damaged("its header has nested brackets".into()));
     }
     if count(b"0123456789") > DIGITS {
         return Err(Flaw::Damaged(format!("its header has numbers of more than {DIGITS} digits together")));

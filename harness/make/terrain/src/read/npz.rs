@@ -56,7 +56,7 @@ pub(super) fn read(source: impl BufRead + Seek) -> Result<Found, Flaw> {
         let mut names: Vec<&str> = arrays.iter().map(|n| n.trim_end_matches(".npy")).take(10).collect();
         names.sort_unstable();
         return Err(Flaw::Rank(format!(
-            "{} arrays ({}), {} of them with two dimensions: save the one of heights alone with numpy.save",
+            "{} arrays ({}), {} of them with two dimensions: save only the heights with numpy.save",
             arrays.len(),
             names.join(", "),
             wanted.len()

@@ -52,7 +52,7 @@ struct Metadata {
 impl Metadata {
     fn apply(&self, text: &str, found: &mut Found, options: &Options) -> Result<(), Flaw> {
         let document =
-            Document::parse(text).map_err(|e| self.damaged(&format!("is no XML ({})", line(&e))))?;
+            Document::parse(text).map_err(|e| self.damaged(&format!("is not XML ({})", line(&e))))?;
         let root = document.root_element();
         if !root.has_tag_name("PAMDataset") {
             return Ok(());
@@ -155,7 +155,7 @@ impl Metadata {
 
     fn finite(&self, tag: &str, text: &str) -> Result<f64, Flaw> {
         let value = number(text).filter(|v| v.is_finite());
-        value.ok_or_else(|| self.damaged(&format!("has {tag} {text:?}, which is no number")))
+        value.ok_or_else(|| self.damaged(&format!("has {tag} {text:?}, which is not a number")))
     }
 
     fn damaged(&self, what: &str) -> Flaw {

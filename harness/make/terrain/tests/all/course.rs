@@ -163,7 +163,7 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
         (
             "REFERENCE_LINE_INCREMENT = 0.5",
             "REFERENCE_LINE_INCREMENT 0.5",
-            "line 5: \"REFERENCE_LINE_INCREMENT 0.5\" is no NAME = NUMBER",
+            "line 5: \"REFERENCE_LINE_INCREMENT 0.5\" is not NAME = NUMBER",
         ),
         ("REFERENCE_LINE_INCREMENT = 0.5 ! m\n", "", "ends without REFERENCE_LINE_INCREMENT: add it"),
         ("long_section_v_increment = 2.0\n", "", "LONG_SECTION_V_INCREMENT is missing"),
@@ -172,12 +172,12 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
             "= 2.0\nLONG_SECTION_V_RIGHT=-1\nLONG_SECTION_V_LEFT=9\n",
             "not at LONG_SECTION_V_LEFT, 9",
         ),
-        ("= 2.0\n", "= two\n", "line 6: LONG_SECTION_V_INCREMENT: \"two\" is no number"),
+        ("= 2.0\n", "= two\n", "line 6: LONG_SECTION_V_INCREMENT: \"two\" is not a number"),
         ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_PHI = 1\n", "no channel \"reference line phi\": add it"),
         ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_B = 0.1\n", "no channel \"reference line banking\": add it"),
-        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 2\n", "3 rows of data, but its header announces 5"),
-        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 0.5\n", "3 rows of data, but its header announces 2"),
-        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 0.7\n", "no multiple of the increment"),
+        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 2\n", "3 rows of data, but its header declares 5"),
+        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 0.5\n", "3 rows of data, but its header declares 2"),
+        ("= 2.0\n", "= 2.0\nREFERENCE_LINE_END_U = 0.7\n", "not a multiple of the increment"),
         ("$ROAD_CRG ", "$ROAD_CRG_FILE\nb.crg\n$ROAD_CRG ", "give that file"),
         ("$KD_Def", "$ROAD_CRG_MODS\nSCALE_LENGTH = 2\n$KD_Def", "SCALE_LENGTH = 2 is not supported"),
         (
@@ -185,18 +185,18 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
             "$ROAD_CRG_OPTS\nBORDER_MODE_U = 3\n$KD_Def",
             "BORDER_MODE_U = 3 is not supported: 0 and 2 are",
         ),
-        ("$KD_Def", "$PAINT\n$KD_Def", "line 8: the section $PAINT is not known"),
-        ("#:LRFI", "#:LHFI", "data format LHFI is not read"),
+        ("$KD_Def", "$PAINT\n$KD_Def", "line 8: unknown section $PAINT"),
+        ("#:LRFI", "#:LHFI", "data format LHFI is not supported"),
         ("D:long section 2,m", "D:long section 2,mm", "is in \"mm\": convert it to m"),
-        ("D:long section 2,m", "D:friction,-", "\"friction\" is no channel that is read"),
+        ("D:long section 2,m", "D:friction,-", "\"friction\" is not a supported channel"),
         ("D:long section 2,m", "D:long section 4,m", "long section 2 is expected here"),
-        ("D:long section 2,m", "D:long section 1,m", "this channel is there twice"),
+        ("D:long section 2,m", "D:long section 1,m", "duplicate channel"),
         ("D:long section 2,m\nD:long section 3,m\n", "", "1 longitudinal sections are defined: at least 2"),
         (" 0.0040000", "0.00400000", "no error"),
         ("5.0000E-3", "5,0000x-3", "is no number: each takes 10 characters"),
         (" 0.0060000", "", "line 16: ends before number 3 of 3"),
         (" 0.0060000", " 0.0060000 0.0060000", "line 16: has more than the 3 numbers"),
-        (" 0.0020000", " *missing*", "u = 0 m (row 1 of the data) lacks a height between others"),
+        (" 0.0020000", " *missing*", "u = 0 m (row 1 of the data) lacks a height within the course"),
         (" 0.0010000 0.0020000 0.0030000", " *missing* *missing* *missing*", "has no height at all"),
         ("$$$$", "$", "its header has no end"),
     ] {
@@ -216,7 +216,7 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
         &f.file("a.crg", file(&format!("{PARAMETERS}REFERENCE_LINE_END_U = 5.0\n"), &channels, &short)),
     )
     .unwrap_err();
-    assert!(e.to_string().contains("6 rows of data, but its header announces 11"), "{e}");
+    assert!(e.to_string().contains("6 rows of data, but its header declares 11"), "{e}");
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn statements_that_contradict_each_other_are_errors() {
     }
     f.file("a.tif.aux.xml", "<PAMDataset><GeoTransform>1,2,3</GeoTransform>");
     let e = survey(&tif, &keep()).unwrap_err().to_string();
-    assert!(e.contains("aux.xml is no XML") && !e.contains('\n'), "{e}");
+    assert!(e.contains("aux.xml is not XML") && !e.contains('\n'), "{e}");
 }
 
 #[test]

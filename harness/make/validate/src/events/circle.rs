@@ -88,7 +88,7 @@ fn steady_circle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             );
         }
     } else {
-        o.note("It does not reach a lateral acceleration of 0.5 m/s².");
+        o.note("The vehicle does not reach a lateral acceleration of 0.5 m/s².");
     }
     let mut plot =
         Plot::new("Angle of the front wheels on the circle", "lateral acceleration, m/s²", "angle, °");

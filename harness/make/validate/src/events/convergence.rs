@@ -8,7 +8,7 @@ use vb_sim::SimError;
 pub(super) const CONVERGENCE: Event = Event {
     name: "convergence",
     title: "Convergence over the step",
-    about: "Canonical figures at a quarter of the step, at half, at the step, at twice and at four times it. At the step and at \
+    about: "Canonical measurements at a quarter of the time step, half of it, the step itself, twice and four times the step. At the step and at \
             half of it they must agree within 2 %.",
     vehicles: Vehicles::All,
     place: Place::Rigid,

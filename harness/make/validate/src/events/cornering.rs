@@ -142,7 +142,7 @@ fn cornering(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         o.theory(
             format!("{label}: roll"),
             if a > 0.0 { Expected::AtLeast(0.0) } else { Expected::AtMost(0.0) },
-            "the body leans outwards: its centre of mass lies above the ground",
+            "the body rolls outwards, because its centre of mass is above the ground",
         );
         let series = d.finish();
         if friction == 0.9 && target == 4.0 {
@@ -216,7 +216,7 @@ pub(super) const BODY_ROLL: Event = Event {
     name: "body-roll",
     title: "Body roll in a corner and on a tilt table",
     about: "Steady corners at 8 m/s, and the vehicle standing on a table tilted until gravity has the same component along \
-            the ground: by the equivalence principle the body must lean by the same angle.",
+            the table: according to the equivalence principle the body must roll by the same angle.",
     vehicles: Vehicles::Steered,
     place: Place::Rigid,
     run: body_roll,

@@ -27,7 +27,7 @@ pub(super) const RIDE: Event = Event {
 pub(super) const HALF_ROUND: Event = Event {
     name: "half-round",
     title: "Half rounds",
-    about: "Half rounds of 12 and 24 inches across the way at constant speed: the speed at which the vertical acceleration of the seat, \
+    about: "Half rounds of 12 and 24 inches across the course at constant speed: the speed at which the vertical acceleration of the seat, \
             below 30 Hz, has a peak of 2.5 g. Lengths of the obstacles scale with the vehicle.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
@@ -230,7 +230,7 @@ impl<'a> Track<'a> {
             (Some((_, a)), Some((high, None))) => (
                 None,
                 format!(
-                    "below the limit up to {:.2} m/s ({}), and does not stay on the course at {:.2} m/s",
+                    "below the limit up to {:.2} m/s ({}), and leaves the course at {:.2} m/s",
                     own(a.speed),
                     said(&a),
                     own(high)
@@ -242,8 +242,8 @@ impl<'a> Track<'a> {
             (None, Some((high, Some(b)))) => {
                 (None, format!("above the limit at {:.2} m/s: {}", own(high), said(&b)))
             }
-            (None, Some((high, None))) => (None, format!("does not get over it at {:.2} m/s", own(high))),
-            (None, None) => (None, "was not driven".to_owned()),
+            (None, Some((high, None))) => (None, format!("does not cross it at {:.2} m/s", own(high))),
+            (None, None) => (None, "was not run".to_owned()),
         };
         Ok(Found { speed, why, passes })
     }
@@ -273,7 +273,7 @@ impl<'a> Ride<'a> {
     /// The full-size speed at the limit over a course, m/s; its figures take the label.
     fn over(&mut self, label: &str, ground: &Ground, first: f64) -> Result<Option<f64>, SimError> {
         let Some(track) = Track::new(self.bench, ground) else {
-            self.outcome.note(format!("{label}: the course is level, so there is no such speed."));
+            self.outcome.note(format!("{label}: the course is level, so the speed is undefined."));
             return Ok(None);
         };
         let found = track.search(self.measure, first)?;
@@ -286,7 +286,7 @@ impl<'a> Ride<'a> {
         }
         if let Some(slowest) = found.passes.first().filter(|p| p.touched) {
             let speed = pace.speed(slowest.speed);
-            self.outcome.note(format!("{label}: the hull touches the ground, at {speed:.2} m/s already."));
+            self.outcome.note(format!("{label}: the hull touches the ground at {speed:.2} m/s."));
         }
         let points = found.passes.iter().map(|p| [pace.speed(p.speed), self.measure.of(p)]).collect();
         self.plot.ours(label, points);
@@ -313,14 +313,13 @@ impl<'a> Ride<'a> {
         }
         if self.bench.spec.scale != 1.0 {
             self.outcome.note(format!(
-                "Lengths of the courses are {} of those in their names, as for all worlds of this vehicle.",
+                "Course lengths are {} of those in their names, as for all worlds of this vehicle.",
                 self.bench.spec.scale
             ));
         }
         if self.bench.spec.chassis.seat.is_none() {
-            self.outcome.note(
-                "The vehicle has no seat: the measures are those at the centre of mass of its chassis.",
-            );
+            self.outcome
+                .note("The vehicle has no seat: measurements are at the centre of mass of its chassis.");
         }
         self.outcome
     }
@@ -369,7 +368,7 @@ fn half_rounds(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let height = bench.pace.length(inches * INCH);
         if bench.spec.tracks.is_none() && smallest < height {
             ride.outcome.note(format!(
-                "{label}: left out, its wheels have a radius of {smallest:.3} m, less than the height of the obstacle, {height:.3} m."
+                "{label}: omitted, because the wheel radius of {smallest:.3} m is below the obstacle height of {height:.3} m."
             ));
             continue;
         }
@@ -387,7 +386,7 @@ fn ordered(outcome: &mut Outcome, name: &str, speeds: &[Option<f64>]) {
             rough / smooth,
             "",
             Expected::AtMost(1.0),
-            "the same shape, higher: no more speed",
+            "higher obstacle of the same shape: no higher speed",
         );
     }
 }
@@ -396,9 +395,6 @@ fn ordered(outcome: &mut Outcome, name: &str, speeds: &[Option<f64>]) {
 fn straightened(outcome: &mut Outcome, named: &crate::course::NamedCourse) {
     let turn = named.course.turn().to_degrees();
     if turn > 0.05 {
-        outcome.note(format!(
-            "{}: its reference line turns by {turn:.1}° and is driven straightened.",
-            named.name
-        ));
+        outcome.note(format!("{}: its reference line turns by {turn:.1}° and is straightened.", named.name));
     }
 }

@@ -6,7 +6,7 @@ use vb_sim::SimError;
 pub(super) const DATA_SHEET: Event = Event {
     name: "data-sheet",
     title: "Data sheet",
-    about: "Computed from the file, standing on level ground and not driven: clearance and angles of the hull, turning radius without \
+    about: "Computed from the vehicle file at rest on level ground: clearance and angles of the hull, turning radius without \
             slip, ratios of the driveline, ride frequency, damping ratio, roll gradient and articulation.",
     vehicles: Vehicles::All,
     place: Place::Rigid,

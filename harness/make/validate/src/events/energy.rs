@@ -12,7 +12,7 @@ use vb_vehicle::GRAVITY;
 pub(super) const FREE_FALL: Event = Event {
     name: "free-fall",
     title: "Free fall",
-    about: "Let go 5 m above the ground for 0.8 s, with wheels that move in their springs: the centre of mass falls as a stone.",
+    about: "Released 5 m above the ground for 0.8 s, with wheels moving on their springs: the centre of mass is in free fall.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: free_fall,
@@ -59,9 +59,9 @@ fn free_fall(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 
 pub(super) const ENERGY: Event = Event {
     name: "energy",
-    title: "Energy never grows",
-    about: "Let go on the side of a valley 3 m deep, nothing pressed, for 40 s: it swings to and fro, and kinetic energy and \
-            energy of height together never exceed what they were.",
+    title: "Energy never increases",
+    about: "Released on the side of a valley 3 m deep without commands, for 40 s: it oscillates, and the sum of kinetic and \
+            potential energy must not increase.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: energy,
@@ -70,7 +70,7 @@ pub(super) const ENERGY: Event = Event {
 fn energy(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     if bench.creeps() {
-        o.note("Its engine idles behind a converter and drives it on: not driven.");
+        o.note("Its engine idles against a converter and accelerates the vehicle: not run.");
         return Ok(o);
     }
     let g = &bench.geometry;
@@ -107,17 +107,17 @@ fn energy(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         100.0 * gain / swing,
         "%",
         Expected::AtMost(1.0),
-        "conservation: 1 % for the energy in springs and tyres, which isn't counted",
+        "conservation: 1 % for the energy in springs and tyres, which is not included",
     );
     o.expect(
         "greatest rise after any instant",
         100.0 * rise / swing,
         "%",
         Expected::AtMost(2.0),
-        "conservation: 2 % for what springs and tyres hold and give back",
+        "conservation: 2 % for the energy stored in springs and tyres",
     );
     let mut plot = Plot::new("Mechanical energy above the valley's bottom", "t, s", "energy, kJ");
-    plot.ours("kinetic and of height", points.into_iter().step_by(10).collect());
+    plot.ours("kinetic and potential", points.into_iter().step_by(10).collect());
     o.plots.push(plot);
     o.series.push(d.finish());
     Ok(o)

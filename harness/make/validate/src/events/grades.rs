@@ -77,7 +77,7 @@ pub(super) fn friction_bound(o: &mut Outcome, figure: String, friction: f64) {
 pub(super) const GRADE_HELD: Event = Event {
     name: "grade-controller",
     title: "Steepest grade under the speed controller",
-    about: "The original's 4 m/s controller and pursuit law, straight up planes: the steepest on which it gets 20 m far within \
+    about: "The original's 4 m/s controller and pursuit law, straight up planes: the steepest on which it covers 20 m within \
             20 s.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
@@ -105,8 +105,8 @@ fn grade_held(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const GRADE_FULL: Event = Event {
     name: "grade-full-throttle",
     title: "Steepest grade with full throttle",
-    about: "3 s on the brakes, then full throttle for 12 s, heading held: the steepest plane on which it gets 5 m far and still \
-            climbs at the end. Spinning wheels give less than holding ones.",
+    about: "3 s with brakes, then full throttle for 12 s with heading control: the steepest plane on which it covers 5 m and still \
+            climbs at the end. Spinning wheels have less grip.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: grade_full,

@@ -24,7 +24,7 @@ pub(super) const MATERIAL: Event = Event {
     name: "grains",
     title: "Grains in a bin",
     about: "Grains of gravel: momentum of grains and a turning wheel, energy of a collapsing heap, load on the floor, filled \
-            fraction, angle of repose of a heap, and pressure under a plate, as of soil. The same for all vehicles.",
+            fraction, angle of repose of a heap, and pressure under a plate, as of soil. Identical for all vehicles.",
     vehicles: Vehicles::All,
     place: Place::Stand,
     run: grains,
@@ -38,15 +38,14 @@ fn grains(_: &Bench<'_>) -> Result<Outcome, SimError> {
     let source = "impulses on grains and wheel are equal and opposite";
     o.expect("error of momentum", 1e6 * b.momentum, "ppm", exact, source);
     o.expect("error of angular momentum", 1e6 * b.angular_momentum, "ppm", exact, source);
-    let source = "friction and damping only take energy; the integration's own error is up to 100 ppm";
+    let source = "friction and damping only dissipate energy; the integration error is up to 100 ppm";
     o.expect("rise of energy", 1e6 * b.energy_gain, "ppm", Expected::AtMost(100.0), source);
     o.expect("load on the floor / weight", b.floor_load, "", Expected::fraction(1.0, 0.01), "statics");
 
     let r = gravel.mean_radius();
     let deep = Bin { length: 36.0 * r, width: 36.0 * r, depth: 16.0 * r };
     let packing = Packing::poured(&gravel, deep, 1).map_err(unfilled)?;
-    let source =
-        "random packings of spheres: Jerkins et al. 2008, Scott and Kilgour 1969; smooth walls take 0.02";
+    let source = "random packings of spheres: Jerkins et al. 2008, Scott and Kilgour 1969; smooth walls reduce it by 0.02";
     let filled = packing.fraction_below(12.0 * r);
     o.published("filled fraction", filled, "", Expected::Between(0.53, 0.64), source);
 
@@ -75,7 +74,7 @@ const SLIPS: [f64; 7] = [-0.1, 0.05, 0.2, 0.3, 0.4, 0.8, 0.95];
 pub(super) const WHEEL: Event = Event {
     name: "grains-wheel",
     title: "Wheel on grains",
-    about: "The front wheel of the vehicle with its load, rigid, on a bed of gravel whose grains are in proportion to it: drawbar pull \
+    about: "The front wheel of the vehicle with its load, rigid, on a bed of gravel with grains scaled to the wheel: drawbar pull \
             and sinkage over slip, as on soil.",
     vehicles: Vehicles::Wheeled,
     place: Place::Stand,
@@ -135,16 +134,17 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         expected: Expected::AtLeast(0.0),
         kind: Kind::Published,
         source: source.into(),
-        unsound: (!digs)
-            .then(|| "the published wheels are loaded so that slip digs them in, this one is lighter".into()),
+        unsound: (!digs).then(|| {
+            "the published wheels have a load at which slip causes sinkage; this wheel has less".into()
+        }),
     });
     let gross = mean(at_middle, |run| run.gross);
     let source = "tyres on gravel 0.6 (Wong 2008, table 1.3)";
     let expected = Expected::Within { value: 0.6, tolerance: 0.2 };
     o.published("gross traction / load at 20 to 40 % slip", gross, "", expected, source);
-    let source = "friction between wheel and grains, 0.8, and stones that lock in front of it";
+    let source = "friction between wheel and grains, 0.8, and interlocking stones in front of it";
     o.expect("gross traction / load at 95 % slip", last.gross, "", Expected::AtMost(0.9), source);
-    let source = "slip digs (Reece 1965)";
+    let source = "slip sinkage (Reece 1965)";
     let dug = 1e3 * (last.sinkage - slow.sinkage);
     o.published("sinkage at 95 % slip less that at 5 %", dug, "mm", Expected::AtLeast(0.0), source);
 
@@ -174,8 +174,8 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const VEHICLE: Event = Event {
     name: "grains-bed",
     title: "Vehicle on a granular bed",
-    about: "The vehicle stands on a bed of gravel 0.2 m deep, brakes on, for 1 s, then half throttle for 1.2 s. Grains, unlike soil, \
-            are bodies.",
+    about: "The vehicle stands on a bed of gravel 0.2 m deep with brakes for 1 s, then half throttle for 1.2 s. Grains are \
+            simulated bodies, unlike soil.",
     vehicles: Vehicles::All,
     place: Place::Soil,
     run: vehicle,
@@ -187,7 +187,7 @@ fn vehicle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let scale = bench.spec.scale;
     let smallest = bench.geometry.corners.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
     if gravel.radius[1] * scale > smallest {
-        o.note("Its wheels are smaller than grains of gravel: not driven.");
+        o.note("Its wheels are smaller than grains of gravel: not run.");
         return Ok(o);
     }
     let mounts = || bench.geometry.corners.iter().map(|c| c.mount / scale);
@@ -218,7 +218,7 @@ fn vehicle(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let s = d.state();
     let gained = s.velocity_body.x - rest.velocity_body.x;
     let source =
-        "friction 0.8 between wheels and grains, and stones that lock in front of them: Δv ≤ 0.9 g t";
+        "friction 0.8 between wheels and grains, and interlocking stones in front of them: Δv ≤ 0.9 g t";
     o.expect("speed after 1.2 s", gained, "m/s", Expected::Between(0.0, 0.9 * GRAVITY * time), source);
     o.figure("lower than on rigid ground after 1.2 s", sunk(s.position.z), "mm");
     o.series.push(d.finish());

@@ -8,8 +8,8 @@ use vb_sim::SimError;
 pub(super) const SUSPENSION: Event = Event {
     name: "suspension",
     title: "Suspension and steering",
-    about: "Toe, camber and motion ratio over wheel travel, and the angles of the steered wheels over the command, beside \
-            the angles with which all wheels would roll about one centre.",
+    about: "Toe, camber and motion ratio over wheel travel, and the angles of the steered wheels over the command, compared \
+            with the angles at which all wheels roll about one centre.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: suspension,

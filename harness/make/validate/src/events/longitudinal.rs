@@ -12,7 +12,7 @@ use vb_vehicle::GRAVITY;
 pub(super) const ACCELERATION: Event = Event {
     name: "acceleration",
     title: "Acceleration and top speed",
-    about: "Throttle step from rest on level ground, heading held by the pursuit law, 60 s (30 s at μ 0.5).",
+    about: "Throttle step from rest on level ground, heading controlled by the pursuit law, 60 s (30 s at μ 0.5).",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: acceleration,
@@ -72,7 +72,7 @@ fn acceleration(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             o.theory(
                 first,
                 Expected::AtLeast(pace.speed(5.0) / (friction * GRAVITY)),
-                "friction: no sooner than v / μ g, all wheels driving",
+                "friction: at least v / μ g with all-wheel drive",
             );
         }
         // Where the engine, not the grip, is the limit, its maps give the times: from rest with little throttle, with more
@@ -271,7 +271,7 @@ fn locks(bench: &Bench<'_>, pedal: f64, friction: f64) -> bool {
 pub(super) const COAST_DOWN: Event = Event {
     name: "coast-down",
     title: "Coast-down",
-    about: "Throttle closed and brakes off from 15 and from 5 m/s until it stands, 90 s at most.",
+    about: "Throttle closed and brakes off from 15 and from 5 m/s until standstill, at most 90 s.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: coast_down,
@@ -309,14 +309,14 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             }
         }
         if bench.creeps() {
-            o.note("Its engine idles behind a converter and drives it on: it comes to no rest by itself.");
+            o.note("Its engine idles against a converter: the vehicle does not come to rest without brakes.");
             o.series.push(d.finish());
             continue;
         }
         o.theory(
             format!("from {speed} m/s: speed after 90 s"),
             Expected::Within { value: 0.0, tolerance: 0.02 },
-            "rolling resistance and engine drag bring it to rest, and nothing drives it on",
+            "rolling resistance and engine drag stop the vehicle without a driving force",
         );
         o.expect(
             &format!("from {speed} m/s: lowest speed"),
@@ -330,7 +330,7 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             gained,
             "m/s",
             Expected::AtMost(0.05),
-            "nothing drives it",
+            "no driving force",
         );
         let series = d.finish();
         plot.ours(
@@ -351,7 +351,7 @@ fn coast_down(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const ROLLING: Event = Event {
     name: "rolling",
     title: "Rolling without slip",
-    about: "It coasts straight at 5 m/s in neutral: all wheels must turn at the speed of the ground.",
+    about: "Coasting straight at 5 m/s in neutral: all wheels must roll without slip.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
     run: rolling,
@@ -400,7 +400,7 @@ fn rolling(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         100.0 * spread,
         "%",
         Expected::AtMost(0.4 + by_load),
-        "no wheel slips: what the loads make of the radii, and 0.4 %",
+        "no slip: radii as a function of load, and 0.4 %",
     );
     o.series.push(d.finish());
     Ok(o)

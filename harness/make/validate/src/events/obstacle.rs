@@ -24,9 +24,9 @@ use vb_world::Heightfield;
 pub(super) const OBSTACLES: Event = Event {
     name: "wheel-obstacles",
     title: "A wheel at steps, corners and ridges",
-    about: "A front wheel on a stand, hard and as fitted, with a wheel's share of the weight. Driven: the highest step and the \
-            steepest facet that it climbs from rest, the torque that spins it in a corner of floor and facet, the push that \
-            lifts it up a facet of 80°. Free and hard: rolling down a facet, and the energy that it loses at steps, at a facet and \
+    about: "A front wheel on a stand, hard and as fitted, with the wheel's static load. Driven: the highest step and the \
+            steepest facet that it climbs from rest, the torque at which it spins in a corner of floor and facet, the push that \
+            lifts it up a facet of 80°. Free and hard: rolling down a facet, and the energy loss at steps, at a facet and \
             over a ridge.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
@@ -202,11 +202,11 @@ fn obstacles(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         driven(&mut o, "hard", &wheel(tyre), 1.0)?;
         free(&mut o, &wheel(tyre));
     } else {
-        o.note("It has no hard tyre: theory is of cylinders.");
+        o.note("The vehicle has no hard tyre, but the theory applies to cylinders.");
     }
     if fitted.coulomb_friction().is_none() {
         o.note(
-            "Friction of the fitted tyre depends on slip: statics with one coefficient says nothing of it.",
+            "The friction of the fitted tyre depends on slip, so statics with one coefficient does not apply.",
         );
     } else if hard.is_none() || !matches!(fitted, TyreSpec::Rigid(_)) {
         driven(&mut o, "as fitted", &wheel(fitted), 3.0)?;

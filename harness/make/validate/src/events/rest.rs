@@ -11,7 +11,7 @@ use vb_sim::SimError;
 pub(super) const STATIC: Event = Event {
     name: "static",
     title: "Wheel loads and ride height",
-    about: "The vehicle stands on level ground, brakes on, for 5 s after it has settled.",
+    about: "The vehicle stands on level ground with brakes for 5 s after settling.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: standing,
@@ -55,7 +55,7 @@ fn standing(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     o.figure("pitch", degrees(pitch), "°");
     let one_sided = bench.spec.axles.iter().any(|a| a.suspension.linkage.knuckles().is_some());
     let (tolerance, source) = if one_sided {
-        (0.2, "symmetry, but for a drag link at one side, which steers as the axle settles")
+        (0.2, "symmetry, except for a drag link on one side, which steers as the axle settles")
     } else {
         (0.05, "symmetry")
     };
@@ -70,8 +70,8 @@ fn standing(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const PARKED: Event = Event {
     name: "parked",
     title: "Rest for 60 s",
-    about: "With brakes on, up, across and down a slope of 20° at μ 0.9 and of 10° at μ 0.5, and with nothing pressed on level \
-            ground. What has settled, for 5 s with brakes on and for 65 s with nothing pressed, must stay where it is for 60 s.",
+    about: "With brakes up, across and down a slope of 20° at μ 0.9 and of 10° at μ 0.5, and without commands on level \
+            ground. After settling for 5 s with brakes and for 65 s without commands, it must not move for 60 s.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: parked,
@@ -93,7 +93,7 @@ fn parked(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // Tyres that were strained sideways as the vehicle settled roll on by a relaxation length when the brakes let go.
         let settle = if controls == COASTING { 65.0 } else { 5.0 };
         if controls == COASTING && bench.creeps() {
-            o.note("Its engine idles behind a converter and drives it on: with nothing pressed it doesn't stand.");
+            o.note("Its engine idles against a converter, so it does not stand without commands.");
             continue;
         }
         d.hold(settle, |_| controls)?;
@@ -103,7 +103,7 @@ fn parked(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // What no friction of the engine holds creeps on the smoothed corner of rolling resistance at rest.
         let free = controls == COASTING && bench.spec.powertrain.engine.torque(0.0, 0.0) >= 0.0;
         let (most, source) = if free {
-            (bench.pace.length(20.0), "nothing but rolling resistance holds it: no more than it creeps")
+            (bench.pace.length(20.0), "only rolling resistance holds it: limit of creep")
         } else {
             (1.0, "statics: tan of the slope is below μ, so friction holds")
         };

@@ -14,12 +14,12 @@ use vb_vehicle::GRAVITY;
 use vb_vehicle::powertrain::Differential;
 
 /// Said of a vehicle of which none of these events says anything.
-const NONE: &str = "It has no reverse gear: not driven.";
+const NONE: &str = "The vehicle has no reverse gear: not run.";
 
 pub(super) const SPEED: Event = Event {
     name: "reverse-speed",
     title: "Top speed in reverse",
-    about: "Full throttle backwards on level ground at μ 0.9, the line held, 30 s: the speed, and the speed of the engine through \
+    about: "Full throttle in reverse on level ground at μ 0.9 with line control, 30 s: the speed, and the speed of the engine through \
             the reverse gear.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
@@ -63,9 +63,9 @@ fn top_speed(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const GRADE: Event = Event {
     name: "reverse-grade",
     title: "Steepest grade in reverse",
-    about: "With its rear uphill at μ 0.9. The throttle which by the balance of forces just starts it on 12°, for 3 s against the \
-            brakes and then without them: the steepest plane on which it starts uphill. And full throttle for 12 s after 3 s on \
-            the brakes: the steepest on which it gets 5 m far and still climbs at the end.",
+    about: "Rear uphill at μ 0.9. The throttle at which the force balance just allows a start on 12°, for 3 s against the \
+            brakes and then without: the steepest plane on which it starts uphill. And full throttle for 12 s after 3 s with \
+            brakes: the steepest plane on which it covers 5 m and still climbs at the end.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: grade,
@@ -177,9 +177,12 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         // loads its outer wheel forwards and its inner one backwards, and those point to different centres.
         let centre_locked = bench.spec.powertrain.driveline.centre == Differential::Locked {};
         let (expected, source) = if bench.winds_up() || centre_locked {
-            (Expected::AtLeast(f64::MIN_POSITIVE), "it turns about the same side both ways")
+            (Expected::AtLeast(f64::MIN_POSITIVE), "it turns to the same side in both directions")
         } else {
-            (Expected::fraction(ahead, 0.03), "wheels that don't slip roll about the same centre both ways")
+            (
+                Expected::fraction(ahead, 0.03),
+                "wheels without slip roll about the same centre in both directions",
+            )
         };
         o.expect(&format!("steering {steering}: radius backwards"), back, "m", expected, source);
     }
@@ -226,7 +229,7 @@ fn from_rest(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
             "s",
             // It pushes in the step at whose end the gear shows.
             Expected::Within { value: latency + step, tolerance: 0.5 * step },
-            "the latency of the vehicle's file, and a step",
+            "the latency in the vehicle file, and a step",
         );
         o.expect(
             &format!("{name}: torque in its direction then"),
@@ -292,7 +295,7 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         last,
         "m/s",
         Expected::Between((0.9 * limit).min(limit - GRAVITY * SAMPLE), limit),
-        "below the speed in the vehicle's file, at once: within a sample at a deceleration of 1 g, or 10 %",
+        "below the speed in the vehicle file, immediately: within a sample at a deceleration of 1 g, or 10 %",
     );
     let begin = d.state().time;
     d.run(10.0, |s| reverse(pace.hold_line(s), 1.0, 1.0 / 3.0), |s| s.gear == Gear::Reverse)?;
@@ -302,7 +305,7 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         d.state().time - begin,
         "s",
         Expected::Within { value: latency, tolerance: 1.5 * bench.options.step },
-        "the latency of the vehicle's file",
+        "the latency in the vehicle file",
     );
     d.hold(pace.time(3.0), |s| reverse(pace.hold_line(s), 0.3, 0.0))?;
     o.expect(
@@ -314,7 +317,7 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
     );
     let series = d.finish();
     let mut plot = Plot::new("From forward to backwards", "t, s", "speed, m/s");
-    plot.ours("reverse asked for at speed", series.pairs("t", "vx"));
+    plot.ours("reverse commanded at speed", series.pairs("t", "vx"));
     o.plots.push(plot);
     o.series.push(series);
     let mut d = reach("neutral")?;
@@ -324,7 +327,7 @@ fn at_speed(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         d.sim().drive().shaft_torque,
         "N m",
         Expected::Within { value: 0.0, tolerance: 0.0 },
-        "neutral uncouples the engine at once at any speed",
+        "neutral uncouples the engine immediately at any speed",
     );
     o.series.push(d.finish());
     Ok(())

@@ -130,8 +130,8 @@ fn places(bench: &Bench<'_>) -> Vec<[f64; 2]> {
 pub(super) const IN_PLACE: Event = Event {
     name: "turn-in-place",
     title: "Turning in place",
-    about: "Full command without throttle on level ground at μ 0.2 to 0.8, to both sides: the yaw rate over that of wheels that roll \
-            without slip, and the power of the motors. And with 0.6 and 1.4 of the wheelbase at μ 0.6: the effective track over \
+    about: "Full command without throttle on level ground at μ 0.2 to 0.8, to both sides: the yaw rate over that of wheels without \
+            slip, and the power of the motors. And with 0.6 and 1.4 of the wheelbase at μ 0.6: the effective track over \
             the wheelbase.",
     vehicles: Vehicles::SkidSteered,
     place: Place::Rigid,
@@ -141,7 +141,7 @@ pub(super) const IN_PLACE: Event = Event {
 fn in_place(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     if matches!(bench.spec.skid, Some(Skid::Speed { at_rest, .. }) if at_rest == 0.0) {
-        o.note("It turns only while it drives (skid.at_rest is 0): not driven.");
+        o.note("It turns only in motion (skid.at_rest is 0): not run.");
         return Ok(o);
     }
     let track = bench.geometry.track();
@@ -165,7 +165,7 @@ fn in_place(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             turn.ratio(track),
             "",
             Expected::Between(0.0, 1.0),
-            "slip only takes from the kinematic yaw rate, (v_right - v_left) / track",
+            "slip only reduces the kinematic yaw rate, (v_right - v_left) / track",
         );
         let name = format!("{label}: effective track over track");
         let expected = sliding(&places(bench), &turn.loads);
@@ -232,7 +232,7 @@ pub(super) const TURNING: Event = Event {
     name: "skid-turning",
     title: "Turning by the speeds of the sides",
     about: "Commands of 0.1 to 1 at half of the top speed on level ground at μ 0.6, and three of them backwards: radius, effective \
-            track, and the power of the motors, which grows as the turn tightens.",
+            track, and the power of the motors, which increases with curvature.",
     vehicles: Vehicles::SkidSteered,
     place: Place::Rigid,
     run: turning,

@@ -17,8 +17,8 @@ use vb_vehicle::{
 pub(super) const SIDE_SLOPE: Event = Event {
     name: "side-slope",
     title: "40 % side slope",
-    about: "Across the side slope of the data sheet (40 %, 21.8°) at μ 0.8: standing with brakes on for 10 s, and driving along \
-            it at 4 m/s for 15 s on the pursuit law: how far it drifts downhill in the last 30 m.",
+    about: "Across the side slope of the data sheet (40 %, 21.8°) at μ 0.8: standing with brakes for 10 s, and driving along \
+            it at 4 m/s for 15 s with the pursuit law: downhill drift in the last 30 m.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: side_slope,
@@ -73,8 +73,8 @@ fn side_slope(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const TILT_TABLE: Event = Event {
     name: "tilt-table",
     title: "Tilt table",
-    about: "Brakes on, gravity turns about the long axis: to the angle at which the vehicle slides (μ 0.9 and 0.5), and with \
-            tyres that do not slide to the angle at which it tips, as it is and on hard tyres with its wheels fixed to the chassis.",
+    about: "With brakes, gravity rotates about the longitudinal axis: to the angle at which the vehicle slides (μ 0.9 and 0.5), and with \
+            non-sliding tyres to the angle at which it tips, unchanged and on hard tyres with wheels fixed to the chassis.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: tilt_table,

@@ -18,7 +18,7 @@ const CLASSES: [TerrainClass; 3] = [TerrainClass::Snow, TerrainClass::Mud, Terra
 fn reference_set<'a>(bench: &Bench<'a>, o: &mut Outcome) -> Option<&'a SoilSet> {
     let set = bench.soils.iter().find(|s| s.name == REFERENCE_SET);
     if set.is_none() {
-        o.note(format!("There is no soil set {REFERENCE_SET}: not driven."));
+        o.note(format!("The soil set {REFERENCE_SET} is missing: not run."));
     }
     set
 }
@@ -34,7 +34,7 @@ fn sinkage(bench: &Bench<'_>, s: &VehicleState) -> [f64; 2] {
 pub(super) const REST: Event = Event {
     name: "soil-rest",
     title: "Sinkage at rest",
-    about: "The vehicle is set down on level soil and left for 5 s, nothing pressed; loads are means of the last second; soils of \
+    about: "The vehicle is placed on level soil for 5 s without commands; loads are means of the last second; soils of \
             the original.",
     vehicles: Vehicles::All,
     place: Place::Soil,
@@ -64,7 +64,7 @@ fn rest(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         let (expected, source) = if d.sim().contact_steps() > 0 {
             (
                 Expected::Between(0.0, 1.01 * weight),
-                "weight m g, less what the hull bears, which lies on the soil",
+                "weight m g, less the load on the hull, which rests on the soil",
             )
         } else {
             (Expected::fraction(weight, 0.01), "weight m g")
@@ -78,7 +78,7 @@ fn rest(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const ACCELERATION: Event = Event {
     name: "soil-acceleration",
     title: "Acceleration on soil",
-    about: "2 s at rest, then a throttle step for 10 s on level soil, heading held; soils of the original.",
+    about: "2 s at rest, then a throttle step for 10 s on level soil with heading control; soils of the original.",
     vehicles: Vehicles::All,
     place: Place::Soil,
     run: acceleration,
@@ -149,7 +149,7 @@ const MOVES: f64 = 0.2;
 pub(super) const GRADE: Event = Event {
     name: "soil-grade",
     title: "Steepest grade on soil",
-    about: "The original's 4 m/s controller and pursuit law, straight up slopes of soil: the steepest on which it gets 20 m far \
+    about: "The original's 4 m/s controller and pursuit law, straight up slopes of soil: the steepest on which it covers 20 m \
             within 20 s and still moves up at 2 m/s; soils of the original.",
     vehicles: Vehicles::All,
     place: Place::Soil,
@@ -192,8 +192,8 @@ fn grade(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const GRID: Event = Event {
     name: "soil-grid",
     title: "Convergence over the soil's grid",
-    about: "Sinkage at rest and speed after 10 s at throttle 0.6, with soil remembered in cells twice as wide, \
-            as wide as it is by default, half and a quarter as wide; soils of the original. The middle two must agree within 5 %.",
+    about: "Sinkage at rest and speed after 10 s at throttle 0.6, with soil cells of twice, \
+            once, half and a quarter of the default size; soils of the original. The middle two must agree within 5 %.",
     vehicles: Vehicles::All,
     place: Place::Soil,
     run: grid,

@@ -18,7 +18,7 @@ const SET: &str = "default";
 fn default_set<'a>(bench: &Bench<'a>, o: &mut Outcome) -> Option<&'a SoilSet> {
     let set = bench.soils.iter().find(|s| s.name == SET);
     if set.is_none() {
-        o.note(format!("There is no soil set {SET}: not driven."));
+        o.note(format!("The soil set {SET} is missing: not run."));
     }
     set
 }
@@ -27,7 +27,7 @@ pub(super) const SLIP: Event = Event {
     name: "slip-sinkage",
     title: "Slip sinkage on soil",
     about: "A rigid wheel of the HMMWV's size in a soil bin, on the sand and mud of the default soils: drawbar pull and sinkage over \
-            slip. Sand is dug out by slip, clay hardly.",
+            slip. Slip sinkage is large in sand and small in clay.",
     vehicles: Vehicles::Wheeled,
     place: Place::Stand,
     run: slip,
@@ -186,7 +186,7 @@ fn cone(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let Some(set) = default_set(bench, &mut o) else { return Ok(o) };
     let spec = bench.spec;
     if spec.scale != 1.0 || !spec.axles.iter().all(|a| a.driven) {
-        o.note("The mobility index is that of full-size vehicles with all axles driven: not driven.");
+        o.note("The mobility index applies to full-size vehicles with all axles driven: not run.");
         return Ok(o);
     }
     let rest = Drive::new(bench, "rest", &flat(0.8), 0.0, 0.0)?.state();

@@ -133,7 +133,7 @@ fn stands_over(rig: &WheelRig, name: &str, law: &SoilLaw, o: &mut Outcome) {
 /// Why theory says nothing of the thrust on this soil, if it doesn't.
 fn deep(wheel: &Carried) -> Option<&'static str> {
     (wheel.sinkage > 0.4 * THE_WHEEL.radius)
-        .then_some("thrust along the ground is of sinkages that are small beside the diameter")
+        .then_some("the thrust theory assumes a sinkage that is small relative to the diameter")
 }
 
 fn rig(bench: &Bench<'_>) -> WheelRig {
@@ -151,9 +151,9 @@ pub(super) const WHEEL: Event = Event {
     name: "wheel-on-soil",
     title: "Single wheel on soil",
     about: "A rigid wheel of the HMMWV's size in a soil bin on every soil: sinkage and compaction resistance of a smooth rim against \
-            Bekker's law and Wong's unloading line, integrated over the rim, and drawbar pull of a rough one over slip. Theory of the \
-            smooth rim ends where it sinks in beyond its radius, that of the pull at a fifth of the diameter; beyond, it is shown and \
-            not judged, or there is none.",
+            Bekker's law and Wong's unloading line, integrated over the rim, and drawbar pull of a rough one over slip. The theory of the \
+            smooth rim is valid up to a sinkage of its radius, that of the pull up to a fifth of the diameter; beyond, it is shown \
+            without a verdict, or omitted.",
     vehicles: Vehicles::Wheeled,
     place: Place::Stand,
     run: wheel,
@@ -185,7 +185,7 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         columns.push((name.clone(), ""));
         rows.iter_mut().zip(&pull).for_each(|(row, p)| row.push(*p));
         let Some(wheel) = THE_WHEEL.on(&law) else {
-            o.note(format!("{name}: the wheel sinks in beyond its radius; there is no theory of that."));
+            o.note(format!("{name}: the sinkage exceeds the radius, where no theory applies."));
             continue;
         };
         o.theory(sinkage, Expected::fraction(1e3 * wheel.sinkage, SHARE), SMOOTH);
@@ -233,7 +233,7 @@ fn wheel(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const SECOND_PASS: Event = Event {
     name: "second-pass",
     title: "Second pass",
-    about: "The same wheel at 20 % slip over fresh soil and once more in its own rut: soil that was pressed once yields less.",
+    about: "The same wheel at 20 % slip over fresh soil and again in its own rut: compacted soil deforms less.",
     vehicles: Vehicles::Wheeled,
     place: Place::Stand,
     run: second_pass,
@@ -243,13 +243,13 @@ pub(super) const SECOND_PASS: Event = Event {
 fn unlike_trials(law: &SoilLaw) -> Option<&'static str> {
     if matches!(law.sinkage, Sinkage::Bekker(Bekker { exponent, .. }) if exponent < 0.3) {
         return Some(
-            "trials are of soils that grow firmer under a rut: this one's pressure hardly grows with depth",
+            "the trials used soils that become firmer under a rut; the pressure of this soil hardly increases with depth",
         );
     }
     match THE_WHEEL.on(law) {
         Some(w) if w.sinkage <= 0.4 * THE_WHEEL.radius => (2.0 * w.rebound > w.sinkage)
-            .then_some("soil this firm springs back by more than it yields: no rut is left to deepen"),
-        _ => Some("trials are of ruts that are shallow beside the wheel"),
+            .then_some("the elastic recovery of this firm soil exceeds its compaction, so no rut remains"),
+        _ => Some("the trials used ruts that are shallow relative to the wheel"),
     }
 }
 
@@ -272,7 +272,7 @@ fn second_pass(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             if one.compaction > 0.0 { two.compaction / one.compaction } else { 0.0 },
             "",
             Expected::AtMost(1.0),
-            "soil that was pressed is elastic up to its former pressure",
+            "compacted soil is elastic up to its previous pressure",
         );
         if let Some(why) = unlike_trials(&law) {
             for e in &mut o.theory[first..] {

@@ -16,10 +16,10 @@ use vb_vehicle::{GRAVITY, TyreSpec, VehicleSpec, kinematics::Motion};
 pub(super) const TIP_OVER: Event = Event {
     name: "tip-over",
     title: "Tipping over",
-    about: "On tyres that do not slide: the sideways speed at which ground that grips all at once trips the vehicle, as a block \
-            on hard wheels and as it is; the side slope at which it tips as it drives along it; the lateral acceleration at which \
-            it lifts its inner wheels on a circle. On its own tyres a step of the steering and a fishhook at up to 15 m/s, at μ 0.9 and where \
-            grip is too little to lift wheels.",
+    about: "With non-sliding tyres: the lateral speed at which sudden grip trips the vehicle, as a block \
+            on hard wheels and unchanged; the side slope at which it tips in motion; the lateral acceleration at which \
+            the inner wheels lift on a circle. With its own tyres: a steering step and a fishhook at up to 15 m/s, at μ 0.9 and with \
+            too little grip to lift wheels.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: tip_over,
@@ -103,7 +103,7 @@ fn trip(bench: &Bench<'_>, case: &str, block: &Block, o: &mut Outcome) -> Result
         d.sim().rig().throw([0.0, speed, 0.0]);
         let gone = match d.run(bench.pace.time(4.0), |_| PARKED, |s| s.roll_pitch_yaw().0.abs() > over) {
             Err(SimError::Diverged { time, what, .. }) => {
-                o.note(format!("{case}: at {speed:.2} m/s the simulation diverges at {time:.2} s, which counts as going over: {what}"));
+                o.note(format!("{case}: at {speed:.2} m/s the simulation diverges at {time:.2} s, which counts as tipping over: {what}"));
                 true
             }
             other => other?,
@@ -133,7 +133,7 @@ fn trips(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimErr
             "critical sliding velocity √(2 g I₀ (√(h² + b²) − h) / (m h²)), b from the middles of the treads to their outer edges",
         );
     } else {
-        o.note("As a block it would need more friction to be tripped than its tyres are given.");
+        o.note("As a block it would need more friction to trip than its tyres have.");
     }
     let sticky = sticky(bench.spec);
     let sticky = Bench::new(&sticky, bench.soils, bench.options.step)?;
@@ -234,7 +234,7 @@ fn circle(bench: &Bench<'_>, block: &Block, o: &mut Outcome) -> Result<(), SimEr
         );
     } else {
         o.figure("greatest lateral acceleration without lifting inner wheels", mean, "m/s²");
-        o.note("It can't corner fast enough to lift its inner wheels.");
+        o.note("It cannot corner fast enough to lift its inner wheels.");
     }
     o.series.push(d.finish());
     Ok(())
@@ -319,9 +319,9 @@ fn manoeuvres(
 pub(super) const OVERTURNED: Event = Event {
     name: "overturned",
     title: "On flank and roof",
-    about: "Put down 5 cm above level ground at μ 0.5, on its right flank and on its roof: where it comes to rest, with what roll \
-            rate and energy, the same at half the step, and how far it slides on its roof from 5 m/s. Over a boulder under the left wheels at 5 m/s: \
-            its greatest roll at the step and at half of it.",
+    about: "Released 5 cm above level ground at μ 0.5, on its right side and on its roof: final pose, roll \
+            rate and energy, also at half the time step, and sliding distance on its roof from 5 m/s. Over a boulder under the left wheels at 5 m/s: \
+            maximum roll at the time step and at half of it.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: overturned,
@@ -471,7 +471,7 @@ fn overturned(bench: &Bench<'_>) -> Result<Outcome, SimError> {
             s.velocity_body.norm(),
             "m/s",
             Expected::AtMost(pace.speed(0.02)),
-            "it lies still",
+            "at rest",
         );
         let end = degrees(s.roll_pitch_yaw().0).rem_euclid(360.0);
         o.expect(
@@ -524,7 +524,7 @@ fn slide(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
     d.hold(pace.time(6.0), |_| PARKED)?;
     let up = d.state().attitude * Vector3::z();
     if up.z > -0.7 {
-        o.note("It doesn't stay on its roof: it doesn't slide on it.");
+        o.note("It does not stay on its roof, so it does not slide on it.");
         return Ok(());
     }
     let (speed, friction) = (pace.speed(5.0), LYING.min(bench.spec.chassis.friction));
@@ -538,7 +538,7 @@ fn slide(bench: &Bench<'_>, o: &mut Outcome) -> Result<(), SimError> {
         .fold(f64::NEG_INFINITY, f64::max);
     let com = bench.geometry.com;
     if edge - com.x < 1.1 * friction * (top - com.z) {
-        o.note("Friction would tip it over the front edge of its roof: it doesn't slide on it.");
+        o.note("Friction would tip it over the front edge of its roof, so it does not slide on it.");
         return Ok(());
     }
     let from = bench.geometry.com_of(&d.state());

@@ -63,7 +63,7 @@ pub(super) const TURNING: Event = Event {
     name: "skid-steer",
     title: "Turning against the drag of the tracks",
     about: "Steering commands from 0.1 to 1 at 3 m/s on level ground, 15 s, and three of them backwards at 2 m/s: radius, and the \
-            moment with which the ground resists the turn, from the brake that steers.",
+            resisting moment of the ground, from the steering brake.",
     vehicles: Vehicles::Tracked,
     place: Place::Rigid,
     run: turning,
@@ -104,11 +104,7 @@ fn turning(bench: &Bench<'_>) -> Result<Outcome, SimError> {
                 trials.push([radius, expected]);
             }
         } else {
-            o.theory(
-                label,
-                Expected::Between(0.5 * t.gauge, t.gauge),
-                "about the inner belt, which is locked and dragged along",
-            );
+            o.theory(label, Expected::Between(0.5 * t.gauge, t.gauge), "about the locked inner belt");
             o.expect(
                 &format!("{way}steering 1: speed of the inner belt"),
                 t.belt(&s).abs(),
@@ -129,7 +125,7 @@ pub(super) const PULL: Event = Event {
     name: "track-pull",
     title: "Drawbar pull",
     about: "The vehicle pulls loads of growing weight over level soil, dry sand, sandy loam and LETE sand of Wong's table with pressure \
-            normal to the belt: slip over pull, and the greatest pull, against the closed form of a track under an even pressure.",
+            normal to the belt: slip over pull, and the maximum pull, compared with the closed form of a track with uniform pressure.",
     vehicles: Vehicles::Tracked,
     place: Place::Soil,
     run: pull,
@@ -168,7 +164,7 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let Some(t) = Track::of(bench) else { return Ok(o) };
     let Some(wong) = bench.soils.iter().find(|s| s.name == "wong") else {
-        o.note("There is no soil set wong: not driven.");
+        o.note("The soil set wong is missing: not run.");
         return Ok(o);
     };
     let weight = bench.geometry.weight();
@@ -226,7 +222,7 @@ fn pull(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const TRENCH: Event = Event {
     name: "trench",
     title: "Trench",
-    about: "A trench of growing width, 3 m deep, at μ 0.8, driven over at 2 m/s: the widest that it bridges.",
+    about: "A trench of growing width, 3 m deep, at μ 0.8, crossed at 2 m/s: the widest that it bridges.",
     vehicles: Vehicles::Tracked,
     place: Place::Rigid,
     run: trench,

@@ -13,7 +13,7 @@ pub(super) const TURNING_CIRCLE: Event = Event {
     name: "turning-circle",
     title: "Turning circle",
     about: "Full lock at 2 m/s: radius of the reference point, of the outermost tyre edge (curb to curb), of the middle \
-            of the outer front wheel's tread and of the outermost point of the body (wall to wall), beside that of wheels that roll without slip.",
+            of the outer front wheel's tread and of the outermost point of the body (wall to wall), compared with that of wheels without slip.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: turning_circle,

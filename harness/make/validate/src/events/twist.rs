@@ -16,7 +16,7 @@ pub(super) const TWIST: Event = Event {
     name: "twist",
     title: "Twist: wheels on blocks",
     about: "At rest with a front wheel and the rear one diagonally across from it on blocks of 0.1, 0.2 and 0.3 m, with one \
-            front wheel and with all left wheels on 0.2 m: loads, travels and roll beside statics. The height at which the diagonal \
+            front wheel and with all left wheels on 0.2 m: loads, travels and roll compared with statics. The height at which the diagonal \
             lifts a wheel.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
@@ -90,7 +90,7 @@ fn twist(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     let g = &bench.geometry;
     let Some(statics) = Statics::new(bench) else {
-        o.note("An axle turns about a pin: the statics here is of wheels on springs.");
+        o.note("An axle rotates about a pin, but the statics here assumes wheels on springs.");
         return Ok(o);
     };
     let mean = g.weight() / g.corners.len() as f64;
@@ -111,7 +111,7 @@ fn twist(bench: &Bench<'_>) -> Result<Outcome, SimError> {
         };
         let (s, d) = raised.rest(bench, full_size)?;
         let Some(at) = statics.at(&raised.heights(bench, height)) else {
-            o.note(format!("{label}: statics finds no balance"));
+            o.note(format!("{label}: statics has no equilibrium"));
             continue;
         };
         let most =
@@ -172,7 +172,7 @@ fn lifts(bench: &Bench<'_>, statics: &Statics<'_>, o: &mut Outcome) -> Result<()
         Ok(at.is_some_and(|a| least(&mut a.loads.into_iter())))
     })?;
     if expected >= most {
-        o.note("Statics: no block of a metre lifts a wheel.");
+        o.note("Statics: a block of 1 m does not lift a wheel.");
         return Ok(());
     }
     let found = largest(0.5 * expected, 1.5 * expected, 0.01 * expected, |full_size| {
@@ -192,9 +192,9 @@ fn lifts(bench: &Bench<'_>, statics: &Statics<'_>, o: &mut Outcome) -> Result<()
 pub(super) const SPLIT_GRIP: Event = Event {
     name: "split-grip",
     title: "Pull with one wheel of each axle without grip",
-    about: "Throttle 0.5 on level ground with μ 0.01 under the left wheels, as good as hanging, and 0.9 under the right: the mean \
-            pull from the first to the second second beside what the differentials pass. The same with throttle 1 and μ 0.1 at the left, and the torque of \
-            the wheels that grip over that of the wheels that spin: the bias of the differentials.",
+    about: "Throttle 0.5 on level ground with μ 0.01 under the left wheels, practically without grip, and 0.9 under the right: the mean \
+            pull from 1 s to 2 s compared with the torque that the differentials transmit. The same with throttle 1 and μ 0.1 on the left, and the torque of \
+            the gripping wheels over that of the spinning wheels: the torque bias of the differentials.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,
     run: split_grip,
@@ -209,7 +209,7 @@ const RIGHT: f64 = 0.9;
 fn split_grip(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let mut o = Outcome::default();
     if bench.spec.tyre.coulomb_friction().is_none() {
-        o.note("Friction of the tyre depends on slip: not driven.");
+        o.note("The friction of the tyre depends on slip: not run.");
         return Ok(o);
     }
     for (label, ice, throttle) in LEFT {
@@ -277,7 +277,7 @@ fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64, throttle: f64
     }
     let expected = beside + passes;
     if bench.winds_up() {
-        o.note(format!("{label}a locked differential passes what grip bears."));
+        o.note(format!("{label}a locked differential transmits up to the grip limit."));
     } else if slower && spun {
         o.theory(
             format!("{label}pull"),
@@ -288,7 +288,7 @@ fn pull(bench: &Bench<'_>, o: &mut Outcome, label: &str, ice: f64, throttle: f64
         let gripping = (pull - beside) * radii / f64::from(u32::try_from(driven).unwrap_or(1));
         o.figure(format!("{label}torque ratio"), gripping / spinning, "");
     } else {
-        o.note(format!("{label}the wheels without grip don't all spin: the differentials hold."));
+        o.note(format!("{label}some wheels without grip do not spin, because the differentials hold."));
     }
     Ok(())
 }

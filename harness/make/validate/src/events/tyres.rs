@@ -9,7 +9,7 @@ use vb_vehicle::{TyreSpec, tyre::FialaTyre};
 pub(super) const TYRES: Event = Event {
     name: "tyres",
     title: "Tyre curves",
-    about: "Steady forces at friction 0.9, sampled from the very models that are driven: of the fitted tyre at four loads \
+    about: "Steady forces at friction 0.9, sampled from the simulated tyre models: of the fitted tyre at four loads \
             and in combined slip, and of all the vehicle's tyres at the mean static load.",
     vehicles: Vehicles::Wheeled,
     place: Place::Rigid,

@@ -101,7 +101,7 @@ fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
     let as_it_is = bench;
     let bench = hard.as_ref().unwrap_or(bench);
     if hard.is_some() {
-        o.note(format!("The hard tyres are {HARDER} times as hard here as they are: else the edge of the bump presses them by 9 mm."));
+        o.note(format!("The hard tyres are {HARDER} times as stiff here, because the edge of the bump would deflect them by 9 mm otherwise."));
     }
     let x = "x of the reference point, m";
     let mut tilt = Plot::new("Pitch over the bump", x, "pitch, ° (nose down positive)");
@@ -134,7 +134,7 @@ fn bumps(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const DROP: Event = Event {
     name: "drop",
     title: "Drop from 0.5 m",
-    about: "Level, wheels at design height and 0.5 m above level ground, let go; nothing pressed.",
+    about: "Released level, with wheels at design height and 0.5 m above level ground, without commands.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: drop,
@@ -214,8 +214,8 @@ fn drop(bench: &Bench<'_>) -> Result<Outcome, SimError> {
 pub(super) const STEP_CLIMB: Event = Event {
     name: "step-climb",
     title: "Vertical step",
-    about: "A step of growing height at μ 0.9, driven at from 6 m with the controller set to 2 m/s, no brake: the highest onto \
-            which all wheels get within 20 s.",
+    about: "A step of growing height at μ 0.9, approached from 6 m with the controller set to 2 m/s, without brake: the highest onto \
+            which all wheels climb within 20 s.",
     vehicles: Vehicles::All,
     place: Place::Rigid,
     run: step_climb,

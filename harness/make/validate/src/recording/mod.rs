@@ -172,7 +172,7 @@ impl Window {
 static COMPARISON: Event = Event {
     name: "recording",
     title: "Replay of recorded wheel speeds",
-    about: "The wheels of each side turn at the recorded speeds on level rigid ground of each friction, after a second at the first \
+    about: "The wheels of each side turn at the recorded speeds on level rigid ground with each friction, after one second at the initial \
             speeds of the window. Turns are windows with steady speeds and a kinematic yaw of 0.4 to 2.8 rad.",
     vehicles: Vehicles::SkidSteered,
     place: Place::Rigid,
@@ -223,8 +223,7 @@ pub fn replay(
     step: f64,
 ) -> Result<Report, ValidateError> {
     if spec.skid.is_none() {
-        let reason =
-            "is not there: only wheels with skid steering can be turned at recorded speeds of the sides";
+        let reason = "is missing: only skid-steered vehicles can replay recorded wheel speeds";
         return Err(Flaw::new("skid", reason).of("vehicle", spec.name.clone()).into());
     }
     let bench = Bench::new(spec, &[], step)?;
@@ -292,9 +291,7 @@ fn outcome(recording: &Recording, cases: &[Case<'_>], frictions: &[f64]) -> Outc
     o.figure("windows that turn", count(|c| c.turns()) as f64, "");
     o.figure("windows straight ahead", count(|c| c.straight()) as f64, "");
     if cases.is_empty() {
-        o.note(
-            "No window has steady speeds and turns or drives straight ahead: there is nothing to compare.",
-        );
+        o.note("No window has steady speeds and turns or drives straight ahead, so there is no comparison.");
     }
     for q in &QUANTITIES {
         let with = || cases.iter().filter(|c| (q.of)(c));
@@ -476,7 +473,7 @@ mod tests {
         assert!((motion.distance - hypot(0.6, 0.1)).abs() < 1e-12);
         assert!((straight.measured().distance - 0.2).abs() < 1e-12);
         let e = Recording::parse(&drive("far"), "t.csv").unwrap_err().to_string();
-        assert_eq!(e, "t.csv: line 4, gt_icp_x: \"far\" is no number");
+        assert_eq!(e, "t.csv: line 4, gt_icp_x: \"far\" is not a number");
         let e = Recording::parse(&drive("5").replace("gt_icp_yaw", "gt"), "t.csv").unwrap_err().to_string();
         assert_eq!(e, "t.csv: line 1: has no column gt_icp_yaw, which a table of DRIVE has");
         let e =
@@ -492,12 +489,12 @@ mod tests {
             assert!(e.starts_with("drive.csv: ") && e.contains(says) && !e.contains('\n'), "{e}");
         };
         refused("left", "links", "line 1: has no column left; a recording has window, time, left");
-        refused("a,1,1.0", "a,1,fast", "line 3, left: \"fast\" is no number");
+        refused("a,1,1.0", "a,1,fast", "line 3, left: \"fast\" is not a number");
         refused("a,1,1.0", "a,0,1.0", "line 3, time: 0 must exceed that of the row before, 0");
         refused("b,12,3.0,3.0,5.5,5.8,1.0,", "b,12", "line 6, x: is missing");
         refused("5.5,5.8,1.0", ",,", "window b: has no pose in its first or in its last row");
         refused("5.5,5.8,1.0", "5.5,nan,1.0", "line 6, y: NaN must lie in");
-        refused("a,1,1.0", "\"a\",\"1\",\"1.0x\"", "line 3, left: \"1.0x\" is no number");
+        refused("a,1,1.0", "\"a\",\"1\",\"1.0x\"", "line 3, left: \"1.0x\" is not a number");
         let e = Recording::parse("window,time,left,right,x,y,yaw\n", "drive.csv").unwrap_err().to_string();
         assert_eq!(e, "drive.csv: file: has no rows");
         let hmmwv = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");

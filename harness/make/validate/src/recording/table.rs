@@ -42,7 +42,7 @@ fn find(head: &StringRecord, column: &str) -> Option<usize> {
 }
 
 fn number(text: &str, at: impl Fn() -> String) -> Result<f64, Flaw> {
-    let value: f64 = text.parse().map_err(|_| Flaw::new(at(), format!("{text:?} is no number")))?;
+    let value: f64 = text.parse().map_err(|_| Flaw::new(at(), format!("{text:?} is not a number")))?;
     if value.is_finite() && value.abs() <= MOST {
         return Ok(value);
     }
@@ -95,7 +95,7 @@ fn moments(head: &StringRecord, rows: &[StringRecord]) -> Result<Vec<Window>, Fl
     for w in &windows {
         let named = |problem: String| Err(Flaw::new(format!("window {}", w.name), problem));
         let [first, .., last] = w.samples[..] else {
-            return named("has one row; two at least are needed".to_owned());
+            return named("has one row; at least two are needed".to_owned());
         };
         if first.pose.is_none() || last.pose.is_none() {
             return named("has no pose in its first or in its last row".to_owned());

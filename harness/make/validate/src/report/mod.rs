@@ -135,7 +135,8 @@ impl Report {
             reason: e.to_string(),
         };
         std::fs::create_dir_all(&series).map_err(|e| failed(&series, e))?;
-        let write = |path: &Path, text: &str| std::fs::write(path, text).map_err(|e| failed(path, e));
+        let write =
+            |path: &Path, text: &str| vb_files::write(path, text.as_bytes()).map_err(|e| failed(path, e));
         for r in &self.results {
             for s in &r.outcome.series {
                 write(&series.join(format!("{}-{}.csv", r.event.name, file_name(&s.name))), &s.csv())?;

@@ -26,7 +26,7 @@ fn chip(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Pass => "<span class=\"chip pass\">pass</span>",
         Verdict::Fail => "<span class=\"chip fail\">fail</span>",
-        Verdict::Shown => "<span class=\"chip shown\">not judged</span>",
+        Verdict::Shown => "<span class=\"chip shown\">no verdict</span>",
     }
 }
 
@@ -58,16 +58,16 @@ fn summary(s: &mut String, report: &Report) {
     let class = if report.passed() { "pass" } else { "fail" };
     let _ = write!(
         s,
-        "<section class=\"summary\"><p class=\"verdict {class}\"><b>{}</b> of {} checks pass</p><table><thead><tr><th>against</th>\
-         <th class=\"n\">pass</th><th class=\"n\">fail</th><th class=\"n\">not judged</th></tr></thead><tbody>",
+        "<section class=\"summary\"><p class=\"verdict {class}\"><b>{}</b> of {} checks pass</p><table><thead><tr><th>reference</th>\
+         <th class=\"n\">pass</th><th class=\"n\">fail</th><th class=\"n\">no verdict</th></tr></thead><tbody>",
         all.passed,
         all.passed + all.failed
     );
     let kinds = [
-        (Kind::Theory, "theory, from the vehicle's own data"),
-        (Kind::Published, "published figures of the vehicle"),
+        (Kind::Theory, "theory, with the vehicle's data"),
+        (Kind::Published, "published values of the vehicle"),
         (Kind::Chrono, "Project Chrono"),
-        (Kind::Convergence, "itself at half the step"),
+        (Kind::Convergence, "convergence: half the time step"),
     ];
     for (kind, label) in kinds {
         let c = report.counts(Some(kind));
@@ -81,14 +81,14 @@ fn summary(s: &mut String, report: &Report) {
     }
     s.push_str("</tbody></table>");
     s.push_str(
-        "<p>A reference that is known to be unsound decides nothing: it is shown beside the figure with the reason, and theory \
-         decides in its place.</p>",
+        "<p>Unsound references are shown without a verdict, with the reason; theory provides the verdict \
+         instead.</p>",
     );
     for (kind, about) in &report.setups {
         let _ = write!(
             s,
-            "<p><b>In {}</b> are measured what is held against it and the lines that are drawn beside it: the vehicle with what \
-             its runs were made with. All else is measured with the vehicle as it is. {}.</p>",
+            "<p><b>In {}</b>: measurements compared with it, and the curves drawn with it, use the vehicle in the \
+             configuration of its runs. All other measurements use the vehicle unchanged. {}.</p>",
             kind.setup(),
             escape(about.trim_end_matches('.'))
         );
@@ -124,7 +124,7 @@ fn failures(s: &mut String, report: &Report) {
     if report.passed() {
         return;
     }
-    s.push_str("<h3>What fails</h3><div class=\"scroll\"><table class=\"checks\"><tbody>");
+    s.push_str("<h3>Failures</h3><div class=\"scroll\"><table class=\"checks\"><tbody>");
     for r in &report.results {
         let link = format!("<a href=\"#{}\">{}</a>", r.event.name, escape(r.event.title));
         for failure in r.broken() {
@@ -186,7 +186,7 @@ fn rest(s: &mut String, r: &EventResult, setup: Option<Kind>, figures: &[Figure]
     let within = setup.map_or_else(String::new, |kind| format!(" in {}", kind.setup()));
     let _ = write!(
         s,
-        "<details><summary>Figures{within} without a reference</summary><table class=\"figures\"><tbody>"
+        "<details><summary>Measurements{within} without a reference</summary><table class=\"figures\"><tbody>"
     );
     for f in rest {
         let value = if f.value.is_finite() { rounded(f.value) } else { "not reached".to_owned() };
@@ -205,13 +205,13 @@ fn checks(s: &mut String, r: &EventResult) {
         return;
     }
     s.push_str(
-        "<div class=\"scroll\"><table class=\"checks\"><thead><tr><th>figure</th><th class=\"n\">measured</th><th class=\"n\">expected</th><th>unit</th>\
-         <th class=\"n\">off by</th><th></th><th>reference</th></tr></thead><tbody>",
+        "<div class=\"scroll\"><table class=\"checks\"><thead><tr><th>measurement</th><th class=\"n\">measured</th><th class=\"n\">expected</th><th>unit</th>\
+         <th class=\"n\">deviation</th><th></th><th>reference</th></tr></thead><tbody>",
     );
     for c in &r.checks {
         let measured = c.measured.map_or_else(|| "not reached".to_owned(), rounded);
         let why = c.expectation.unsound.as_ref().map_or_else(String::new, |u| {
-            format!("<br><span class=\"unsound\">not judged: {}</span>", escape(u))
+            format!("<br><span class=\"unsound\">no verdict: {}</span>", escape(u))
         });
         let tag = c
             .setup
@@ -240,12 +240,12 @@ fn checks(s: &mut String, r: &EventResult) {
 /// Why a check fails, and what that may mean.
 fn explanation(c: &Check) -> String {
     let Some(measured) = c.measured else {
-        return "The event has no such figure: the vehicle didn't get so far, as the time series show."
+        return "The event has no such measurement, because the vehicle did not get that far (see the time series)."
             .to_owned();
     };
     let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
-    let below = |low: f64| format!("{}{unit} less than the least", rounded(low - measured));
-    let above = |high: f64| format!("{}{unit} more than the most", rounded(measured - high));
+    let below = |low: f64| format!("{}{unit} below the minimum", rounded(low - measured));
+    let above = |high: f64| format!("{}{unit} above the maximum", rounded(measured - high));
     let off = match c.expectation.expected {
         Expected::Within { value, tolerance } => {
             let off = (measured - value).abs();
@@ -263,19 +263,19 @@ fn explanation(c: &Check) -> String {
     };
     let meaning = match c.expectation.kind {
         Kind::Theory => {
-            "The expectation follows from the vehicle's own file, so either values of the file contradict each other, or the vehicle does \
-             what the formula leaves out."
+            "The expected value follows from the vehicle file, so either values of the file contradict each other, or the formula \
+             omits an effect of this vehicle."
         }
         Kind::Published => {
-            "The figure is of the real vehicle, so a value of the file may not be that vehicle's: its mass, tyres, gearing or engine."
+            "The expected value is from the real vehicle, so mass, tyres, gearing or engine of the file may differ from it."
         }
         Kind::Chrono => {
-            "Project Chrono models the same vehicle with other tyres and another driveline; docs/validation.md says how far it agrees with \
-             itself."
+            "Project Chrono models the same vehicle with other tyres and another driveline; docs/validation.md documents its own \
+             variation."
         }
         Kind::Convergence => {
-            "The result still changes with the step: take a smaller --time-step for this vehicle."
+            "The result depends on the time step: use a smaller --time-step for this vehicle."
         }
     };
-    format!("It is {off}. {meaning}")
+    format!("The measurement is {off}. {meaning}")
 }

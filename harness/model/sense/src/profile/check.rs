@@ -63,7 +63,7 @@ fn confusions(part: &str, c: &Confusions) -> Checked {
             if seen == truth {
                 return flaw(
                     field,
-                    "a class can't be taken for itself: what is left over is that it is recognised",
+                    "a class cannot be confused with itself: the remaining probability is that of its recognition",
                 );
             }
         }
@@ -134,7 +134,7 @@ fn rays(part: &str, rows: u32, cols: u32) -> Checked {
     if all > MOST_RAYS {
         return flaw(
             format!("{part}.cols"),
-            format!("{rows} x {cols} are {all} rays, of which there may be {MOST_RAYS}"),
+            format!("{rows} x {cols} are {all} rays; at most {MOST_RAYS} are allowed"),
         );
     }
     Ok(())
@@ -214,7 +214,7 @@ fn prior(p: &ProfileData) -> Checked {
 pub(super) fn check(p: &ProfileData) -> Checked {
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if p.name.is_empty() || p.name.len() > 64 || !p.name.chars().all(is_word) {
-        return flaw("name", format!("{:?} must be a word of small letters, digits and hyphens", p.name));
+        return flaw("name", format!("{:?} must consist of lower-case letters, digits and hyphens", p.name));
     }
     prior(p)?;
     if let Some(PoseModel::Estimated(e)) = &p.pose {
@@ -273,12 +273,12 @@ pub(super) fn check(p: &ProfileData) -> Checked {
             return flaw("local_map.resolution_m", problem);
         }
         if p.pose.is_none() {
-            return flaw("local_map", "a map is built at an estimated pose, and the profile has no pose");
+            return flaw("local_map", "a local map needs an estimated pose, and the profile has none");
         }
         if p.lidar.is_none() && p.depth.is_none() {
             return flaw(
                 "local_map",
-                "a map is built from a lidar or a depth camera, and the profile has neither",
+                "a local map needs a lidar or a depth camera, and the profile has neither",
             );
         }
     }

@@ -1,14 +1,14 @@
-//! Classes that are taken for others.
+//! Misclassification of terrain classes.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The label of an obstacle in images, after the ten kinds of ground.
+/// The label of an obstacle in images, after the ten terrain classes.
 pub(crate) const OBSTACLE: u8 = 10;
 /// The label of what is unknown.
 pub(crate) const UNKNOWN: u8 = 255;
 
-/// The class that a pixel or a map cell is recognised as.
+/// The recognised class of a pixel or a map cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]
@@ -26,7 +26,8 @@ pub enum Seen {
     Obstacle,
 }
 
-/// For each class the others that it may be taken for, with the probabilities. What remains to 1 is that it is recognised.
+/// Confusion probabilities: for each class the classes it may be misclassified as. The remainder to 1 is the
+/// probability of correct classification.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(transparent)]
 pub struct Confusions(pub BTreeMap<Seen, BTreeMap<Seen, f64>>);

@@ -1,7 +1,7 @@
-//! Perception profiles: what a vehicle knows beforehand and what its sensors are like, as data.
+//! Perception profiles: prior maps and sensors of a vehicle, as data.
 //!
-//! Lengths are those of the full-size world and are multiplied by a world's scale; docs/perception.md says what becomes of
-//! the other figures. A sensor that a profile leaves out isn't there.
+//! Lengths are those of the full-size world and are multiplied by a world's scale; docs/perception.md describes the
+//! other values. A profile has only the sensors that it lists.
 
 mod check;
 mod confusion;
@@ -15,7 +15,7 @@ use std::path::Path;
 use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_sdk::metadata::{Metadata, Need};
 
-/// A profile, and what its file is told apart by.
+/// A profile, and the hash of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     data: ProfileData,
@@ -28,33 +28,33 @@ pub struct Profile {
 pub struct ProfileData {
     pub schema: Schema<1>,
     pub name: String,
-    /// What the profile stands for, in one line, for people.
+    /// A description in one line.
     pub description: String,
-    /// The maps that a planner is given at the start.
+    /// The maps that planners receive at the start.
     pub prior: Prior,
     /// The estimate of the vehicle's state.
     pub pose: Option<PoseModel>,
     pub wheel_odometry: Option<WheelModel>,
-    /// The inertial sensor.
+    /// The inertial measurement unit (IMU).
     pub imu: Option<ImuModel>,
-    /// The receiver of satellite positions.
+    /// The GNSS receiver.
     pub gnss: Option<GnssModel>,
     /// The lidar.
     pub lidar: Option<LidarModel>,
     /// The depth camera.
     pub depth: Option<DepthModel>,
-    /// The map of heights and classes that lidar and camera build up around the vehicle.
+    /// The local map of heights and terrain classes from lidar and camera.
     pub local_map: Option<LocalMapModel>,
 }
 
-/// The maps that a planner is given at the start; one that is left out is unknown.
+/// The maps that planners receive at the start; an omitted one is unknown.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prior {
     pub elevation: Option<PriorElevation>,
-    /// The kinds of ground.
+    /// The terrain classes.
     pub semantics: Option<PriorSemantics>,
-    /// The squares that obstacles cover.
+    /// The cells that obstacles cover.
     pub occupancy: Option<PriorOccupancy>,
 }
 
@@ -63,7 +63,7 @@ pub struct Prior {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorElevation {
     Exact,
-    /// As on a map made from afar: means over squares, with errors that neighbouring samples share.
+    /// As in remote sensing: means over squares, with spatially correlated errors.
     Coarse {
         /// The distance between samples, m.
         resolution_m: f64,
@@ -81,7 +81,7 @@ pub enum PriorElevation {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PriorSemantics {
     Exact,
-    /// As on a map made from afar: the commonest kind of each square, which may be taken for another.
+    /// As in remote sensing: the most frequent class of each square, which may be misclassified.
     Coarse {
         /// The side of the squares, m.
         resolution_m: f64,
@@ -103,18 +103,18 @@ pub struct PriorOccupancy {
 #[serde(rename_all = "snake_case")]
 pub enum PoseModel {
     Exact,
-    /// Dead reckoning from the start, which drifts with the way that is driven.
+    /// Dead reckoning from the start, which drifts with distance.
     Estimated(PoseNoise),
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseNoise {
-    /// The random walk of the heading, rad for √(1 m) driven.
+    /// The random walk of the heading, rad/√m.
     pub heading_walk_rad_per_sqrt_m: f64,
-    /// The random walk of the position along x and y each, m for √(1 m) driven.
+    /// The random walk of the position along x and y each, m/√m.
     pub position_walk_m_per_sqrt_m: f64,
-    /// The random walk of the height, m for √(1 m) driven.
+    /// The random walk of the height, m/√m.
     pub height_walk_m_per_sqrt_m: f64,
     /// The error of roll and pitch each.
     pub tilt: AngleError,
@@ -134,13 +134,13 @@ pub struct AngleError {
     pub correlation_s: f64,
 }
 
-/// Times of two states that take turns.
+/// Durations of two alternating states.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spells {
-    /// The mean time from the end of one spell to the beginning of the next, s.
+    /// The mean time from the end of one period to the start of the next, s.
     pub mean_interval_s: f64,
-    /// The mean time that a spell takes, s.
+    /// The mean duration of a period, s.
     pub mean_duration_s: f64,
 }
 
@@ -149,16 +149,16 @@ pub struct Spells {
 #[serde(rename_all = "snake_case")]
 pub enum WheelModel {
     Exact,
-    /// Encoders that count, and measured travels.
+    /// Encoders with finite resolution, and suspension travels with noise.
     Measured(WheelNoise),
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WheelNoise {
-    /// The counts of an encoder in a turn of the wheel.
+    /// The encoder's counts per wheel revolution.
     pub counts_per_turn: u32,
-    /// The time over which counts are taken for a spin, s: a multiple of 10 ms.
+    /// The averaging time of the spin, s: a multiple of 10 ms.
     pub window_s: f64,
     /// The standard deviation of the suspension travel, m, independent every 10 ms.
     pub travel_std_m: f64,
@@ -167,7 +167,7 @@ pub struct WheelNoise {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImuModel {
-    /// The number of measurements in a second.
+    /// The number of measurements per second.
     pub rate_hz: f64,
     /// The errors of the specific force along each axis, in m/s².
     pub accelerometer: Inertial,
@@ -175,14 +175,14 @@ pub struct ImuModel {
     pub gyroscope: Inertial,
 }
 
-/// The errors of an inertial sensor by the terms of IEEE Std 952-1997 (annex C), where u is m/s² for an accelerometer and
-/// rad/s for a gyroscope. Values of 0 leave an error out.
+/// The errors of an inertial sensor by the terms of IEEE Std 952-1997 (annex C), where u is m/s² for an accelerometer
+/// and rad/s for a gyroscope. A value of 0 disables an error.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inertial {
     /// The white noise N, u·√s: the velocity random walk, m/s/√s, or the angle random walk, rad/√s.
     pub random_walk: f64,
-    /// The lowest part of the Allan deviation that the bias leaves, u, which data sheets call in-run bias stability.
+    /// The minimum of the Allan deviation due to the bias, u; called in-run bias stability in data sheets.
     pub bias_instability: f64,
     /// The correlation time of that bias, s.
     pub bias_correlation_s: f64,
@@ -195,13 +195,13 @@ pub struct Inertial {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GnssModel {
-    /// The number of positions in a second.
+    /// The number of positions per second.
     pub rate_hz: f64,
     /// The errors along x and y each.
     pub horizontal: GnssError,
     /// The error of the height.
     pub vertical: GnssError,
-    /// When there is no position.
+    /// Outages: periods without a position.
     pub outages: Option<Spells>,
 }
 
@@ -209,41 +209,41 @@ pub struct GnssModel {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GnssError {
-    /// The standard deviation of the correlated part, a first-order Gauss–Markov process, m.
+    /// The standard deviation of the correlated component, a first-order Gauss–Markov process, m.
     pub std_m: f64,
     /// Its correlation time, s.
     pub correlation_s: f64,
-    /// The standard deviation of the part that is independent every time, m.
+    /// The standard deviation of the white component, m.
     pub white_std_m: f64,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LidarModel {
-    /// The number of turns in a second.
+    /// The number of revolutions per second.
     pub rate_hz: f64,
     /// The number of beams.
     pub rows: u32,
-    /// The number of directions of a turn.
+    /// The number of azimuths per revolution.
     pub cols: u32,
     /// The elevation of the lowest beam, degrees.
     pub lowest_deg: f64,
     /// The elevation of the highest beam, degrees.
     pub highest_deg: f64,
-    /// The minimum distance that it measures, m.
+    /// The minimum range, m.
     pub min_range_m: f64,
-    /// The maximum distance that it measures, m.
+    /// The maximum range, m.
     pub max_range_m: f64,
-    /// The standard deviation of a distance, m.
+    /// The standard deviation of the range, m.
     pub range_std_m: f64,
-    /// The probability that nothing comes back from near by.
+    /// The dropout probability at short range.
     pub dropout_near: f64,
-    /// The probability that nothing comes back from the maximum distance. In between it grows with the distance squared,
-    /// as the light that comes back becomes less.
+    /// The dropout probability at the maximum range; in between it grows with the range squared, as the returned light
+    /// decreases.
     pub dropout_far: f64,
-    /// The dust in the air; none if absent.
+    /// Dust in the air; none if absent.
     pub dust: Option<Dust>,
-    /// The place and direction of the lidar.
+    /// The mounting position and orientation of the lidar.
     pub mount: MountModel,
 }
 
@@ -251,14 +251,14 @@ pub struct LidarModel {
 #[serde(deny_unknown_fields)]
 pub struct Dust {
     pub spells: Spells,
-    /// The share of light that is lost along a way, 1/m.
+    /// The extinction coefficient, 1/m.
     pub extinction_per_m: f64,
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthModel {
-    /// The number of images in a second.
+    /// The number of images per second.
     pub rate_hz: f64,
     /// The number of rows of an image.
     pub rows: u32,
@@ -266,9 +266,9 @@ pub struct DepthModel {
     pub cols: u32,
     /// The angle between the left and the right edge of an image, degrees.
     pub field_of_view_deg: f64,
-    /// The minimum depth that it measures, m.
+    /// The minimum depth, m.
     pub min_depth_m: f64,
-    /// The maximum depth that it measures, m.
+    /// The maximum depth, m.
     pub max_depth_m: f64,
     /// The standard deviation of a depth over the depth squared, 1/m.
     pub error_per_m: f64,
@@ -278,36 +278,36 @@ pub struct DepthModel {
     pub labels: bool,
     #[serde(default)]
     pub confusions: Confusions,
-    /// The place and direction of the camera.
+    /// The mounting position and orientation of the camera.
     pub mount: MountModel,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MountModel {
-    /// Over the middle of the highest part of the hull.
+    /// Above the middle of the highest part of the hull.
     Roof {
-        /// How far above the hull, m.
+        /// The height above the hull, m.
         above_m: f64,
-        /// How far it looks down, degrees.
+        /// The pitch, degrees, positive downward.
         pitch_deg: f64,
     },
-    /// Over the front edge of the highest part of the hull.
+    /// Above the front edge of the highest part of the hull.
     RoofFront {
-        /// How far above the hull, m.
+        /// The height above the hull, m.
         above_m: f64,
-        /// How far it looks down, degrees.
+        /// The pitch, degrees, positive downward.
         pitch_deg: f64,
     },
-    /// At a place in the body frame.
+    /// At a position in the body frame.
     At {
-        /// The place, m.
+        /// The position, m.
         position_m: [f64; 3],
         /// The roll, degrees.
         roll_deg: f64,
-        /// The pitch, degrees, positive when it looks down.
+        /// The pitch, degrees, positive downward.
         pitch_deg: f64,
-        /// The yaw, degrees, positive when it looks to the left.
+        /// The yaw, degrees, positive to the left.
         yaw_deg: f64,
     },
 }
@@ -315,13 +315,13 @@ pub enum MountModel {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocalMapModel {
-    /// The number of maps in a second, at most.
+    /// The maximum number of maps per second.
     pub rate_hz: f64,
     /// The side of the map, m.
     pub side_m: f64,
     /// The side of its cells, m.
     pub resolution_m: f64,
-    /// The number of hits on a cell from which on a new one counts as one of so many.
+    /// The maximum number of hits over which a cell averages; a later hit has the weight 1/`memory`.
     pub memory: u32,
 }
 
@@ -358,7 +358,7 @@ impl Profile {
         Some(Self::parse(text, name).unwrap_or_else(|e| unreachable!("built-in profile: {e}")))
     }
 
-    /// The profile without any error, which ranked runs have.
+    /// The profile without errors, used by ranked runs.
     #[must_use]
     pub fn oracle() -> Self {
         Self::built_in(ORACLE).unwrap_or_else(|| unreachable!("the profile `{ORACLE}` is built in"))
@@ -385,14 +385,14 @@ impl Profile {
         Ok(Self { data, sha256: vb_files::sha256(text.as_bytes()) })
     }
 
-    /// Tells whether a planner gets a map of heights, of the kinds of ground and of obstacles.
+    /// Whether a planner receives maps of heights, of terrain classes and of obstacles.
     #[must_use]
     pub fn gives_all_maps(&self) -> bool {
         let prior = &self.data.prior;
         prior.elevation.is_some() && prior.semantics.is_some() && prior.occupancy.is_some()
     }
 
-    /// Tells whether the maps that a planner gets are the same in every run: as the world is.
+    /// Whether the maps that a planner receives are exact, and thus the same in every run.
     #[must_use]
     pub fn has_exact_maps(&self) -> bool {
         let prior = &self.data.prior;
@@ -406,7 +406,7 @@ impl Profile {
         planner.sensors(self.gives_all_maps())
     }
 
-    /// Tells whether a planner that asks for its pose and its wheels is told the truth.
+    /// Whether pose and wheel readings are exact.
     #[must_use]
     pub fn tells_the_truth(&self) -> bool {
         let data = &self.data;

@@ -60,7 +60,7 @@ fn a_profile_that_cannot_be_is_refused_with_its_field_and_value() {
             "onboard",
             "clay: {dirt: 0.08",
             "clay: {clay: 0.08",
-            "prior.semantics.coarse.confusions.clay: a class can't",
+            "prior.semantics.coarse.confusions.clay: a class cannot",
         ),
         ("onboard", "clay: {dirt", "clay: {lava", "lava"),
         (
@@ -96,7 +96,7 @@ fn a_profile_that_cannot_be_is_refused_with_its_field_and_value() {
             "imu.accelerometer.bias_instability: -1",
         ),
         ("oracle", "pose: exact", "pose: guessed", "pose"),
-        ("oracle", "pose: exact\n", "", "local_map: a map is built at an estimated pose"),
+        ("oracle", "pose: exact\n", "", "local_map: a local map needs an estimated pose"),
         ("degraded", "extinction_per_m: 0.05", "extinction_per_m: -1", "lidar.dust.extinction_per_m: -1"),
     ];
     for (name, old, new, expected) in cases {
@@ -130,6 +130,6 @@ fn a_need_that_a_profile_cannot_meet_is_one_line_that_says_what_is_possible() {
     );
     assert_eq!(
         refuse(&blind, &["lidar 20"]),
-        "the planner needs lidar at 20 Hz, and the perception profile degraded offers 10, 5, 4, 2, 1 Hz"
+        "the planner needs lidar at 20 Hz, but the perception profile degraded provides 10, 5, 4, 2, 1 Hz"
     );
 }

@@ -44,7 +44,9 @@ pub(super) struct Sides {
     shaft: f64,
     /// Of each wheel, kg m².
     wheel_inertias: Vec<f64>,
-    /// What a test rig makes the wheels of the left and of the right side turn at after each step, rad/s.
+    /// What a test rig makes the wheels of the left and of the right side turn at after each step, rad/s. A setting of the rig and
+    /// no part of the state.
+    #[cfg(feature = "rig")]
     prescribed: Option<[f64; 2]>,
 }
 
@@ -116,13 +118,34 @@ impl Sides {
         let together = line.centre == Differential::Locked {};
         let units = if together { vec![unit(0..n)] } else { (0..n).map(|i| unit(i..i + 1)).collect() };
         let wheel_inertias = wheel_inertias.iter().flat_map(|i| [*i; 2]).collect();
-        Self { units, skid, radius, gearing, shaft, wheel_inertias, prescribed: None }
+        Self {
+            units,
+            skid,
+            radius,
+            gearing,
+            shaft,
+            wheel_inertias,
+            #[cfg(feature = "rig")]
+            prescribed: None,
+        }
     }
 
     /// Makes the wheels of each side turn at these speeds from now on (rad/s), or lets the motors turn them again.
     #[cfg(feature = "rig")]
     pub(super) fn prescribe(&mut self, spins: Option<[f64; 2]>) {
         self.prescribed = spins;
+    }
+
+    /// The speeds at which a test rig makes the wheels of each side turn, rad/s; `None` where the motors turn them.
+    #[cfg(feature = "rig")]
+    fn prescribed(&self) -> Option<[f64; 2]> {
+        self.prescribed
+    }
+
+    /// `None`: only a test rig prescribes speeds.
+    #[cfg(not(feature = "rig"))]
+    fn prescribed(&self) -> Option<[f64; 2]> {
+        None
     }
 
     /// Mean spin of the wheels, rad/s.
@@ -167,7 +190,7 @@ impl Sides {
             let before = [0, 1].map(|side| wheels.spins[2 * unit.axles.start + side]);
             let wheels_of = |side: usize| unit.axles.clone().map(move |a| 2 * a + side);
             let moments = [0, 1].map(|side| wheels_of(side).map(|i| wheels.moments[i]).sum::<f64>());
-            let after = if let Some(spins) = self.prescribed {
+            let after = if let Some(spins) = self.prescribed() {
                 for side in [0, 1] {
                     let torque = unit.inertia * (spins[side] - before[side]) / dt - moments[side];
                     done.torque += torque;

@@ -23,39 +23,51 @@ pub(crate) fn check_schema(file: &Path, yaml: &str) -> Result<(), SuiteError> {
     if found == SCHEMA { Ok(()) } else { Err(SuiteError::Schema { file: file.into(), found }) }
 }
 
-/// `world.yaml`.
+/// The identity of a world and the grid of its elevation raster.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct WorldDocument {
     #[serde(rename = "schema")]
     _schema: u32,
+    /// The name of the world and of its folder.
     pub(crate) id: String,
+    /// The elevation level.
     pub(crate) elevation: Elevation,
+    /// The terrain type.
     pub(crate) terrain: Terrain,
+    /// The obstacle density.
     pub(crate) density: Density,
+    /// The units of the file, always m and rad.
     #[serde(rename = "units")]
     _units: Units,
+    /// The elevation raster.
     pub(crate) grid: Grid,
 }
 
-/// The units of all numbers: stated for readers, and the only ones there are.
+/// The units of all numbers.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Units {
+    /// Lengths are in metres.
     #[serde(rename = "length")]
     _length: Metre,
+    /// Angles are in radians.
     #[serde(rename = "angle")]
     _angle: Radian,
 }
 
+/// The unit of length.
 #[derive(Deserialize)]
 enum Metre {
+    /// The metre.
     #[serde(rename = "m")]
     Metre,
 }
 
+/// The unit of angles.
 #[derive(Deserialize)]
 enum Radian {
+    /// The radian.
     #[serde(rename = "rad")]
     Radian,
 }
@@ -64,11 +76,14 @@ enum Radian {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Grid {
+    /// Nodes along y (north), 2 to 8193.
     pub(crate) rows: usize,
+    /// Nodes along x (east), 2 to 8193.
     pub(crate) cols: usize,
-    /// Distance between nodes, m. The file's key is `pitch` until its schema changes, since hashes of suites cover the text.
+    /// Distance between nodes, m.
     #[serde(rename = "pitch")]
     pub(crate) resolution: f64,
+    /// Heights of the levels 0 and 65535 of `elevation.png`, m.
     pub(crate) height_range: [f64; 2],
 }
 
@@ -121,16 +136,23 @@ const HIGHEST: f64 = 12_000.0;
 /// The letter of each class in `semantics.yaml`, in label order; capitals yield under a wheel.
 const LETTERS: [char; 10] = ['c', 'k', 'd', 'g', 'v', 'r', 'w', 'M', 'S', 'F'];
 
-/// `semantics.yaml`.
+/// Terrain class, friction and soil level of every patch of a world.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SemanticsDocument {
+    /// Side of a square patch, m.
     patch: f64,
+    /// Patches along y (north).
     rows: usize,
+    /// Patches along x (east).
     cols: usize,
+    /// The terrain class of each letter in `classes`.
     legend: BTreeMap<char, TerrainClass>,
+    /// A text per row of patches, northernmost first, with a letter per patch, westernmost first.
     classes: Vec<String>,
+    /// Coulomb friction coefficient of each patch in the order of `classes`; 0 on deformable classes.
     friction: Vec<Vec<f64>>,
+    /// Level of each deformable class of the world; none on rigid worlds.
     #[serde(default)]
     soil: SoilLevels,
 }
@@ -217,32 +239,47 @@ impl SemanticsDocument {
     }
 }
 
-/// `obstacles.yaml`.
+/// The obstacles of a world.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObstaclesDocument {
+    /// The obstacles, in the order of their indices.
     obstacles: Vec<ObstacleEntry>,
 }
 
+/// An obstacle.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ObstacleEntry {
+    /// The shape.
     kind: KindName,
+    /// East of the world's centre, m.
     x: f64,
+    /// North of the world's centre, m.
     y: f64,
+    /// Angle about z from east, rad.
     yaw: f64,
+    /// Depth of the base below the ground at (x, y), m; negative above it.
     buried: f64,
+    /// Extents along its own x, y and z, m (boulder and box).
     size: Option<[f64; 3]>,
+    /// Random seed of the shape (boulder).
     seed: Option<u64>,
+    /// Radius, m (trunk).
     radius: Option<f64>,
+    /// Height, m (trunk).
     height: Option<f64>,
 }
 
+/// The shape of an obstacle.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum KindName {
+    /// A convex boulder.
     Boulder,
+    /// A cuboid.
     Box,
+    /// An upright cylinder.
     Trunk,
 }
 
@@ -310,10 +347,11 @@ impl ObstacleEntry {
     }
 }
 
-/// `tasks.yaml`.
+/// The tasks of a world.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TasksDocument {
+    /// The tasks, in the order in which they are run.
     pub(crate) tasks: Vec<Task>,
 }
 
@@ -345,24 +383,33 @@ impl TasksDocument {
     }
 }
 
-/// `beds.yaml`.
+/// The granular beds of a world and their materials.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BedsDocument {
     /// Materials by the names that beds use.
     materials: BTreeMap<String, GranularMaterial>,
+    /// The beds.
     beds: Vec<BedEntry>,
 }
 
+/// A bed: a pit with sides along x and y, filled with grains up to the ground.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BedEntry {
+    /// The name of a material in `materials`.
     material: String,
+    /// Centre, m east of the world's centre.
     x: f64,
+    /// Centre, m north of the world's centre.
     y: f64,
+    /// Extent along x, m.
     length: f64,
+    /// Extent along y, m.
     width: f64,
+    /// Depth of the pit, m.
     depth: f64,
+    /// Random seed of the grains.
     seed: u64,
 }
 

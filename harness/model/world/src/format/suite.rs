@@ -44,7 +44,7 @@ pub enum Provenance {
 pub struct Georeference {
     /// The name of the coordinate reference system, such as EPSG:32632.
     pub crs: String,
-    /// The definition of the system as a string of PROJ; `None` if it is unknown.
+    /// The definition of the system as a string of PROJ; none if it is unknown.
     #[serde(default)]
     pub proj: Option<String>,
     /// Metres on the ground for a unit of its coordinates along x (east) and y (north).
@@ -88,7 +88,7 @@ pub struct SuiteMeta {
     pub provenance: Provenance,
 }
 
-/// What the index says about a world, enough to select tasks without opening it.
+/// A world of the index.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldInfo {
@@ -96,7 +96,7 @@ pub struct WorldInfo {
     pub id: String,
     /// The elevation level of the world.
     pub elevation: Elevation,
-    /// The kind of ground of the world.
+    /// The terrain type of the world.
     pub terrain: Terrain,
     /// The obstacle density of the world.
     pub density: Density,
@@ -106,15 +106,21 @@ pub struct WorldInfo {
     pub sha256: String,
 }
 
+/// The index of a suite.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SuiteDocument {
     #[serde(rename = "schema")]
     _schema: u32,
+    /// The short name of the suite.
     name: String,
+    /// The version of the suite, free text.
     version: String,
+    /// A description of the suite.
     description: String,
+    /// The origin of the worlds.
     provenance: Provenance,
+    /// The worlds, in the order in which they are run.
     worlds: Vec<WorldInfo>,
 }
 

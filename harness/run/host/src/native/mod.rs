@@ -168,7 +168,7 @@ impl ProcessPlugin {
             Err(Refusal::Fault(cause)) => Err(LoadError::Faulty { path, cause }),
             Err(Refusal::Ended(end)) => {
                 let last = end.words.last().map(|w| format!(": {}", one_line(w))).unwrap_or_default();
-                let reason = format!("it ended before it said what it is ({}){last}", ended(end.how));
+                let reason = format!("it exited before it sent its metadata ({}){last}", ended(end.how));
                 Err(LoadError::Unloadable { path, reason })
             }
         }
@@ -285,14 +285,14 @@ impl ProcessPlugin {
                 FaultCause::Hung { limit_ms: u64::try_from(limit.as_millis()).unwrap_or(u64::MAX) }
             }
             Trouble::Nonsense(FrameError::TooLong { bytes, .. }) if is_text(*bytes) => FaultCause::Protocol {
-                message: "text came where a message is due; print to standard error".into(),
+                message: "text received instead of a message; print to standard error".into(),
             },
             Trouble::Nonsense(FrameError::TooLong { .. }) => {
                 FaultCause::OutputTooLarge { limit: self.0.max_message as u64 }
             }
             Trouble::Nonsense(e) => FaultCause::Protocol { message: one_line(&e.to_string()) },
             Trouble::Unasked(name) => {
-                FaultCause::Protocol { message: format!("it sent `{name}` without being asked") }
+                FaultCause::Protocol { message: format!("it sent an unexpected `{name}`") }
             }
             Trouble::System(e) => FaultCause::Machine { message: one_line(&e.to_string()) },
         }
@@ -405,7 +405,7 @@ fn refusal(is_possible: bool, has_sandbox: bool, unconfined: bool) -> Option<&'s
             Some("the harness opens native plugins on Unix systems only; use the planner's WASM file")
         }
         (true, false) if !unconfined => Some(
-            "this system has no sandbox for native plugins, so it could do all that you may do; use the planner's WASM file, or \
+            "this system has no sandbox for native plugins, so it would have all your permissions; use the planner's WASM file, or \
              set VB_UNCONFINED=1 if you trust it",
         ),
         _ => None,
@@ -419,7 +419,7 @@ fn is_text(length: usize) -> bool {
 }
 
 fn unexpected(found: &str, wanted: &str) -> FaultCause {
-    FaultCause::Protocol { message: format!("it answered `{found}`, where `{wanted}` is due") }
+    FaultCause::Protocol { message: format!("it answered `{found}` instead of `{wanted}`") }
 }
 
 /// The cause of a failure that planners may have; none for those of opening a library.
@@ -454,7 +454,7 @@ fn ended(how: ProcessEnd) -> String {
     match how {
         ProcessEnd::Exit(code) => format!("exit code {code}"),
         ProcessEnd::Signal(signal) => format!("signal {signal}"),
-        ProcessEnd::Mute => "it closed its output and stayed".into(),
+        ProcessEnd::Mute => "it closed its output without exiting".into(),
     }
 }
 
@@ -464,7 +464,7 @@ fn metadata(path: &Path, said: Introduction) -> Result<(AbiVersion, Metadata), L
     let not_a_plugin = |reason: String| LoadError::NotAPlugin { path: path.clone(), reason };
     if said.protocol != PROTOCOL {
         return Err(not_a_plugin(format!(
-            "it speaks version {} of the worker protocol, the harness version {PROTOCOL}",
+            "it uses version {} of the worker protocol, the harness version {PROTOCOL}",
             said.protocol
         )));
     }

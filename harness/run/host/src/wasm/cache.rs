@@ -162,7 +162,7 @@ fn read_key(dir: &Path) -> Option<[u8; KEY_BYTES]> {
 fn make_key(dir: &Path) -> Result<[u8; KEY_BYTES], Box<dyn std::error::Error>> {
     let meta = std::fs::symlink_metadata(dir)?;
     if !is_users_dir(dir, &meta) {
-        return Err("the directory belongs to somebody else, or others may write to it".into());
+        return Err("the directory belongs to another user, or is writable for others".into());
     }
     let mut key = [0; KEY_BYTES];
     getrandom::fill(&mut key).map_err(|e| e.to_string())?;

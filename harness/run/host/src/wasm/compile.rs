@@ -148,20 +148,20 @@ fn elsewhere(path: &Path, order: &Order, program: &Path) -> Result<Outcome, Load
                 }
                 how => LoadError::Unloadable {
                     path: path.into(),
-                    reason: format!("the compiler fails on it: {how}{said}"),
+                    reason: format!("the compiler failed: {how}{said}"),
                 },
             })
         }
         Err(Trouble::Late) => Err(faulty(FaultCause::Machine {
             message: format!(
-                "compiling took more than {} s of the clock without using up its {} s of processor time",
+                "compiling took more than {} s of wall-clock time within its limit of {} s of processor time",
                 patience.as_secs(),
                 limits.compile_seconds
             ),
         })),
         Err(Trouble::System(e)) => Err(system(e)),
         Err(Trouble::Nonsense(e)) => Err(system(io::Error::other(format!(
-            "{} is no compiler of this harness ({e})",
+            "{} is not the compiler of this harness ({e})",
             program.display()
         )))),
         Err(Trouble::Unasked(name)) => Err(system(io::Error::other(format!("it sent `{name}`")))),
@@ -177,7 +177,7 @@ fn out_of_memory(path: &Path, limits: &Limits) -> LoadError {
             path,
             cause: FaultCause::Machine {
                 message: format!(
-                    "no memory to compile it: the system gives {granted} bytes (ulimit), of {wanted} that it may take"
+                    "not enough memory to compile it: the system provides {granted} bytes (ulimit) of {wanted}"
                 ),
             },
         },

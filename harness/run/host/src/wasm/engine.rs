@@ -43,7 +43,7 @@ fn fix_processor(config: &mut Config) -> wasmtime::Result<()> {
         if !known {
             return Err(wasmtime::Error::msg(
                 "its processor lacks instructions of x86-64-v3 (AVX2, FMA, BMI2, LZCNT), for which planners are compiled, so \
-                 that they give the same everywhere; use a machine that has them",
+                 that results are identical everywhere; use another machine",
             ));
         }
         for feature in X86_64_V3 {

@@ -143,7 +143,7 @@ fn componentize(module: &[u8]) -> Result<Vec<u8>, Refusal> {
             if !imports.is_empty() {
                 return Refusal::ForbiddenImports(imports);
             }
-            Refusal::NotAPlugin(one_line(&format!("it can't be made a component: {e:#}")))
+            Refusal::NotAPlugin(one_line(&format!("it cannot be converted to a component: {e:#}")))
         })
 }
 

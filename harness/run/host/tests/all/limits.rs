@@ -103,7 +103,7 @@ fn the_watchdog_changes_neither_commands_nor_fuel() {
 fn every_cause_has_a_hint() {
     let limits = Limits { fuel_per_step: 100_000, ..Limits::default() };
     let found = fault("(call $spin) unreachable", &limits);
-    assert_eq!(found.to_string(), "step 0 (t = 0.50 s): used up its 100000 units of fuel");
+    assert_eq!(found.to_string(), "step 0 (t = 0.50 s): exceeded its limit of 100000 units of fuel");
     assert!(found.cause.hint().contains("fuel_per_step"));
 }
 

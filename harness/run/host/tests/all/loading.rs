@@ -156,9 +156,10 @@ fn metadata_that_are_damaged_or_of_another_version() {
     assert!(matches!(error, LoadError::Metadata { .. }));
     assert!(message.contains("line 2 is `name`"), "{message}");
     // The rule that a line breaks is told, and the place in each language.
-    let place = "; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and build the plugin again";
+    let place =
+        "; change it in export_planner!, in VB_PLANNER_METADATA or in planner.yaml, and rebuild the plugin";
     for (was, is, told) in [
-        ("name: probe", "name: C Lab", "line 2 is `name: C Lab`, but a name is of a-z, 0-9, - and _ only"),
+        ("name: probe", "name: C Lab", "line 2 is `name: C Lab`, but a name consists of a-z, 0-9, - and _"),
         (
             "control-period: 0.1",
             "control-period: 0.1 s",
@@ -167,7 +168,7 @@ fn metadata_that_are_damaged_or_of_another_version() {
         (
             "about: b",
             "about: b\\t",
-            "line 5 is `about: b\\t`, but after a backslash only n, r or another backslash may come",
+            "line 5 is `about: b\\t`, but only n, r or another backslash may follow a backslash",
         ),
         ("about: b", "help: b", "line 5 is `help: b`, but it must follow a param"),
         ("about: b", "about", "line 5 is `about`, but a line is `key: value`"),

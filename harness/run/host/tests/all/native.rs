@@ -110,7 +110,7 @@ fn a_native_planner_is_told_only_of_limits_that_it_has() {
     };
     let memory = fault("memory");
     assert_eq!(memory.code(), FaultCode::OutOfMemory);
-    assert!(memory.to_string().ends_with("used up its memory: it may have 67108864 bytes"), "{memory}");
+    assert!(memory.to_string().ends_with("exceeded its memory limit of 67108864 bytes"), "{memory}");
     let hint = memory.cause.hint();
     assert!(hint.contains("memory_bytes") && !hint.contains("table_elements"), "{hint}");
     let stack = fault("stack");

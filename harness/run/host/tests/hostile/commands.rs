@@ -113,7 +113,7 @@ pub fn table() -> Vec<Case> {
             "cat hello; exec sleep 1000 >&-",
             Init,
             Crashed,
-            "had to be ended",
+            "was killed",
         ),
         script("a command that leaves after its name", "exec cat hello", Init, Crashed, "code 0"),
         script("a command that never is ready", &format!("cat hello; {rest}"), Init, Hung, "1500"),

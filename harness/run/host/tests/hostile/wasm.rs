@@ -84,8 +84,8 @@ pub fn table() -> Vec<Case> {
 }
 
 fn without_end() -> Vec<Case> {
-    let init_fuel = "used up its 3000000 units of fuel";
-    let step_fuel = "used up its 1000000 units of fuel";
+    let init_fuel = "exceeded its limit of 3000000 units of fuel";
+    let step_fuel = "exceeded its limit of 1000000 units of fuel";
     vec![
         init("an endless loop in init", "(call $spin) unreachable", OutOfFuel, init_fuel),
         step("an endless loop in a step", "(call $spin) unreachable", OutOfFuel, step_fuel),
@@ -185,7 +185,7 @@ pub fn importing(name: &'static str, import: &str, body: &str, end: (Ends, Fault
 }
 
 fn too_much() -> Vec<Case> {
-    let memory = "it may have 67108864";
+    let memory = "the limit is 67108864";
     vec![
         init("a memory bomb in init", "(call $hog) unreachable", OutOfMemory, memory),
         step("a memory bomb", "(call $hog) unreachable", OutOfMemory, memory),
@@ -200,11 +200,11 @@ fn too_much() -> Vec<Case> {
             ("(export \"memory\") 4)", "(export \"memory\") 2000)"),
             (Init, OutOfMemory, memory),
         ),
-        step("a table bomb", "(call $tables) unreachable", OutOfMemory, "it may have 5000"),
+        step("a table bomb", "(call $tables) unreachable", OutOfMemory, "the limit is 5000"),
         changed(
             "more table at the start than it may have",
             ("$table 1 funcref", "$table 100000 funcref"),
-            (Init, OutOfMemory, "it may have 5000"),
+            (Init, OutOfMemory, "the limit is 5000"),
         ),
         step(
             "a flood of debug data",
@@ -375,7 +375,7 @@ fn lies() -> Vec<Case> {
             "waiting without end",
             r#"(import "wasi_snapshot_preview1" "sched_yield" (func $yield (result i32)))"#,
             "(loop $l (drop (call $yield)) (br $l)) unreachable",
-            (Step, OutOfFuel, "used up its 1000000 units of fuel"),
+            (Step, OutOfFuel, "exceeded its limit of 1000000 units of fuel"),
         ),
     ]
 }

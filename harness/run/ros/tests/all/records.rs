@@ -112,7 +112,7 @@ fn records_of_the_real_time_mode_are_marked() {
     let marks = &found[0].departures;
     assert_eq!(
         marks.last().unwrap(),
-        "real time: commands had to come within 0.1 s of wall-clock time",
+        "real time: the deadline of commands was 0.1 s of wall-clock time",
         "{marks:?}"
     );
 }

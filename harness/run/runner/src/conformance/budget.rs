@@ -6,7 +6,7 @@ use vb_score::TaskRecord;
 use super::report::Check;
 
 const NAME: &str = "budget";
-/// Above this share of a limit, other tasks may well reach it.
+/// Above this fraction of a limit, other tasks may well reach it.
 const MUCH: f64 = 0.7;
 
 pub(super) fn check(driven: &[TaskRecord], limits: &Limits) -> Check {
@@ -17,15 +17,15 @@ pub(super) fn check(driven: &[TaskRecord], limits: &Limits) -> Check {
     let most = |fraction: fn(&vb_score::FuelUse) -> f64| used.iter().map(fraction).fold(0.0, f64::max);
     let memory = most(|f| f.memory_bytes as f64) / limits.memory_bytes as f64;
     let fractions = [
-        ("init_share", "of fuel_init", most(|f| f.init_share)),
-        ("p99_share", "of fuel_per_step (p99)", most(|f| f.p99_share)),
-        ("max_share", "of fuel_per_step (max)", most(|f| f.max_share)),
-        ("memory_share", "of memory_bytes", memory),
+        ("init_fraction", "of fuel_init", most(|f| f.init_fraction)),
+        ("p99_fraction", "of fuel_per_step (p99)", most(|f| f.p99_fraction)),
+        ("max_fraction", "of fuel_per_step (max)", most(|f| f.max_fraction)),
+        ("memory_fraction", "of memory_bytes", memory),
     ];
     let text = |(_, what, fraction): &(_, &str, f64)| format!("{} {what}", percent(*fraction));
     let detail = fractions.iter().map(text).collect::<Vec<_>>().join(", ");
     let check = if fractions.iter().any(|(.., fraction)| *fraction > MUCH) {
-        Check::warn(NAME, detail, "above 70 % of a limit, a harder task may go beyond it: use less")
+        Check::warn(NAME, detail, "above 70 % of a limit: harder tasks may exceed it; use less")
     } else {
         Check::pass(NAME, detail)
     };
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_share_is_told_in_percent_however_small() {
+    fn a_fraction_is_told_in_percent_however_small() {
         assert_eq!([0.0, 3e-6, 0.0049, 0.7].map(percent), ["0.00 %", "under 0.01 %", "0.49 %", "70.00 %"]);
     }
 

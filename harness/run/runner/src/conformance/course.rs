@@ -9,6 +9,7 @@ use vb_sdk::Param;
 use vb_sense::Profile;
 
 use super::{Kit, KitError};
+use vb_trial::defaults::TIME_STEP;
 use vb_trial::{Keep, Place, Setting, Wants};
 
 use crate::run::{check_control_period, check_perception};
@@ -16,8 +17,6 @@ use crate::{PluginDriver, RunError, wants};
 
 /// How many tasks are driven at most.
 const TASKS: usize = 3;
-/// The time step of the simulation, s.
-const TIME_STEP: f64 = 0.001;
 
 pub(super) struct Course {
     tasks: Vec<(Place, vb_world::Task)>,

@@ -14,7 +14,7 @@ pub(super) fn check(once: &TaskRecord, again: &TaskRecord) -> Check {
         Some(what) => Check::fail(
             NAME,
             format!("{} twice: {what}", once.task),
-            "take no clock, address, thread or randomness but the task's seed into a command",
+            "commands must not depend on clocks, addresses, threads or random numbers other than the task's seed",
         ),
     }
 }
@@ -27,7 +27,7 @@ pub(super) fn gave_nothing(trial: &TaskRecord) -> bool {
 
 /// What is said in that case.
 pub(super) fn unchecked(trial: &TaskRecord) -> String {
-    format!("it couldn't be checked: the planner failed on {} before its first command", trial.task)
+    format!("not checked: the planner failed on {} before its first command", trial.task)
 }
 
 /// The first thing in which two trials of a task differ, as `what: one and other`.
@@ -60,7 +60,7 @@ mod tests {
         for once in [after(0), after(1)] {
             let found = check(&once, &once);
             assert_eq!(found.verdict, Verdict::Skip);
-            assert!(found.detail.starts_with("it couldn't be checked"), "{}", found.detail);
+            assert!(found.detail.starts_with("not checked"), "{}", found.detail);
         }
         assert_eq!(check(&after(2), &after(2)).verdict, Verdict::Pass);
         let once = after(1);

@@ -15,14 +15,11 @@ pub(super) fn check(
     deterministic: Verdict,
 ) -> Check {
     if deterministic == Verdict::Fail {
-        return Check::skip(
-            NAME,
-            "it isn't deterministic, so what one task leaves to the next can't be told",
-        );
+        return Check::skip(NAME, "it is not deterministic, so state leaks between tasks cannot be detected");
     }
     match difference(alone, after) {
         None if gave_nothing(alone) => Check::skip(NAME, unchecked(alone)),
-        None => Check::pass(NAME, format!("{} after {} as alone", alone.task, before.task)),
+        None => Check::pass(NAME, format!("{}: equal results alone and after {}", alone.task, before.task)),
         Some(what) => Check::fail(
             NAME,
             format!("{} alone and after {}: {what}", alone.task, before.task),

@@ -14,17 +14,17 @@ pub(super) fn check(kit: &Kit<'_>, plugin: &Plugin) -> Check {
             Ok(imports) if imports.is_empty() => Check::pass(NAME, "none"),
             Ok(imports) => Check::pass(NAME, imports.join(", ")),
             // It has been loaded a moment ago.
-            Err(e) => Check::fail(NAME, e.to_string(), "don't change the file while it is checked"),
+            Err(e) => Check::fail(NAME, e.to_string(), "do not change the file during the check"),
         },
         (PluginKind::Native, _) => {
             let missing = plugin.sandbox().map(SandboxReport::missing).unwrap_or_default();
             if missing.is_empty() {
-                Check::pass(NAME, "a confined process: what it asks for is denied at work")
+                Check::pass(NAME, "a sandboxed process: denied at run time")
             } else {
-                let detail = format!("this system can't confine it by {}", missing.join(", "));
-                Check::warn(NAME, detail, "check it on a system that can")
+                let detail = format!("this system cannot sandbox it with {}", missing.join(", "));
+                Check::warn(NAME, detail, "check it on another system")
             }
         }
-        _ => Check::skip(NAME, "a planner of this kind may do all that its user may do"),
+        _ => Check::skip(NAME, "a planner of this kind has all permissions of its user"),
     }
 }

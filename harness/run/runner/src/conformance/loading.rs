@@ -17,7 +17,7 @@ pub(super) fn loaded(plugin: &Plugin) -> Check {
         PluginKind::Command => {
             return Check::warn(
                 NAME,
-                "as a command, which is not confined",
+                "as a command, which is not sandboxed",
                 "results of commands are not eligible for ranking; build for WASM for that",
             );
         }
@@ -25,7 +25,7 @@ pub(super) fn loaded(plugin: &Plugin) -> Check {
         PluginKind::Ros => {
             return Check::warn(
                 NAME,
-                "as a node of ROS 2, which is not confined",
+                "as a ROS 2 node, which is not sandboxed",
                 "results of ROS 2 nodes are not eligible for ranking; build for WASM for that",
             );
         }
@@ -46,7 +46,7 @@ pub(super) fn refused(error: LoadError) -> Result<Vec<Check>, KitError> {
     };
     let check = |name: &'static str| {
         if name == broken {
-            Check::fail(name, format!("{error} ({code})"), "see docs/abi.md for what a plugin is made of")
+            Check::fail(name, format!("{error} ({code})"), "see docs/abi.md for the plugin format")
         } else {
             Check::skip(name, "the plugin can't be loaded")
         }
@@ -61,8 +61,8 @@ pub(super) fn not_again(error: LoadError) -> Result<Vec<Check>, KitError> {
     }
     let check = |name: &'static str| {
         if name == "determinism" {
-            let detail = format!("it was loaded once, but not again: {error} ({})", error.code());
-            Check::fail(name, detail, "let loading depend on nothing but the file")
+            let detail = format!("the first load succeeded, the second failed: {error} ({})", error.code());
+            Check::fail(name, detail, "loading must depend only on the file")
         } else {
             Check::skip(name, "the plugin can't be loaded again")
         }

@@ -44,11 +44,9 @@ pub struct Kit<'a> {
     pub suite: &'a Suite,
     /// The tasks of the suite, at least one; the first three are driven.
     pub tasks: &'a [TaskId],
-    /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// The soils of deformable ground.
     pub soils: &'a Soils,
-    /// The rules.
     pub rules: &'a Rules,
 }
 
@@ -65,10 +63,10 @@ pub enum KitError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// The harness or the machine failed: nothing is known about the planner.
-    #[error("the harness or the machine failed, so nothing is known about the planner: {0}")]
+    #[error("the harness or the machine failed, so the planner was not checked: {0}")]
     Host(String),
     /// The checks were cancelled.
-    #[error("stopped before all checks were made")]
+    #[error("stopped before the last check")]
     Cancelled,
 }
 

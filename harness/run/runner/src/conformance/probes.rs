@@ -36,7 +36,7 @@ pub(super) fn check(course: &Course, plugin: &Plugin, params: &[Param]) -> Resul
         };
         if let Err(fault) = session.step(&sound) {
             planners_own(fault)?;
-            return Ok(Check::skip(NAME, "it fails at the first step already"));
+            return Ok(Check::skip(NAME, "it fails at the first step"));
         }
         let last =
             Observation { time: sound.time + brief.control_period * (TIMES + 1) as f64, ..sound.clone() };
@@ -71,16 +71,16 @@ fn judge(seen: &[(&'static str, Option<FaultCode>)]) -> Check {
     };
     let (lost, orderly) = (ended(Verdict::Fail), ended(Verdict::Warn));
     if !lost.is_empty() {
-        return Check::fail(NAME, lost, "bound every loop and allocation, whatever the observation holds");
+        return Check::fail(NAME, lost, "limit every loop and allocation, for any observation");
     }
     if !orderly.is_empty() {
         return Check::warn(
             NAME,
             orderly,
-            "return an error for what makes no sense, with a text that says what",
+            "return an error for invalid observations, with a text that names the value",
         );
     }
-    Check::pass(NAME, format!("{} extreme observations, each answered or refused", seen.len()))
+    Check::pass(NAME, format!("{} extreme observations, each with a command or an error", seen.len()))
 }
 
 /// Observations that sound code survives, by name.
@@ -120,18 +120,18 @@ fn extremes(sound: &Observation) -> Vec<(&'static str, Observation)> {
         ("NaN", filled(sound, f64::NAN)),
         ("infinity", filled(sound, f64::INFINITY)),
         ("negative infinity", filled(sound, f64::NEG_INFINITY)),
-        ("the greatest numbers", filled(sound, f64::MAX)),
-        ("the least numbers", filled(sound, f64::MIN)),
+        ("maximum numbers", filled(sound, f64::MAX)),
+        ("minimum numbers", filled(sound, f64::MIN)),
         ("denormal numbers", filled(sound, f64::from_bits(1))),
         ("NaN for the position only", with(&|o| pose(o).position.x = f64::NAN)),
         ("NaN for the heading only", with(&|o| pose(o).yaw = f64::NAN)),
         ("a heading of a million turns", with(&|o| pose(o).yaw = 6.3e6)),
-        ("a position far outside of the world", with(&|o| pose(o).position.x = 1e9)),
+        ("a position far outside the world", with(&|o| pose(o).position.x = 1e9)),
         ("no pose", with(&|o| o.pose = None)),
         ("no wheels", with(&|o| o.wheels.clear())),
         ("a thousand wheels", with(&|o| o.wheels = vec![Wheel::default(); 1000])),
-        ("a time that stands still", with(&|_| {})),
-        ("a time that runs backwards", with(&|o| o.time = -1.0)),
+        ("a constant time", with(&|_| {})),
+        ("a decreasing time", with(&|o| o.time = -1.0)),
         ("a time of NaN", with(&|o| o.time = f64::NAN)),
     ]
 }

@@ -44,7 +44,7 @@ pub struct Check {
     /// A line on what to do, unless the check passed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<&'static str>,
-    /// The figures by name, e.g. `p99_share`.
+    /// The figures by name, e.g. `p99_fraction`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub figures: BTreeMap<&'static str, f64>,
 }

@@ -32,10 +32,10 @@ fn judge(m: &Metadata, abi: AbiVersion) -> Check {
 /// What harness or users can't work with.
 fn fault(m: &Metadata) -> Option<String> {
     if !is_name(&m.name) {
-        return Some("its name may have a-z, 0-9, - and _ only".into());
+        return Some("its name may contain only a-z, 0-9, - and _".into());
     }
     if m.version.trim().is_empty() {
-        return Some("it has no version, by which results are told apart".into());
+        return Some("it has no version, which identifies results".into());
     }
     let unfit = |c: char| c.is_control() || c.is_whitespace() || c == '=';
     if let Some(p) = m.params.iter().find(|p| p.key.is_empty() || p.key.contains(unfit)) {
@@ -52,7 +52,7 @@ fn fault(m: &Metadata) -> Option<String> {
 fn lacks(m: &Metadata) -> Vec<String> {
     let mut lacks = Vec::new();
     if m.about.trim().is_empty() {
-        lacks.push("a sentence on what it does (about)".to_owned());
+        lacks.push("a one-sentence description (about)".to_owned());
     }
     if m.authors.is_empty() {
         lacks.push("authors".to_owned());

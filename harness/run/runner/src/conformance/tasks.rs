@@ -14,7 +14,7 @@ pub(super) fn check(driven: &[TaskRecord]) -> Check {
         return Check::fail(
             NAME,
             format!("{}: {} ({code})", r.task, r.reason),
-            "a planner that fails loses the task; run the task alone with --tasks and --verbose",
+            "a task fails if its planner fails; run the task alone with --tasks and --verbose",
         );
     }
     let outcomes = driven.iter().map(of).collect::<Vec<_>>().join(", ");

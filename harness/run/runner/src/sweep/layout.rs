@@ -1,4 +1,4 @@
-//! Where the runs of a sweep lie, and how far they are.
+//! Locations and progress of a sweep's runs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

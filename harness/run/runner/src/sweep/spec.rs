@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use vb_files::{Document, DocumentError, Flaw, Schema};
 use vb_record::TraceMode;
+use vb_trial::defaults::{PERCEPTION, RULES, VEHICLE};
 
 use crate::sweep::name::safe;
 
-/// The most runs of a sweep.
+/// The maximum number of runs of a sweep.
 const MOST: usize = 100_000;
 
 /// A sweep.
@@ -31,7 +32,7 @@ pub struct Spec {
 pub struct PlannedRun {
     /// The name, which is that of its folder: `PLANNER,PARAMETER=VALUE--VEHICLE--PERCEPTION--SEED`.
     pub name: String,
-    /// What the planner with its parameters is called in this sweep: the name's first part.
+    /// The label of the planner with its parameters in this sweep: the first component of the name.
     pub planner: String,
     /// The planner's file or command, as `--plugin` takes it.
     pub plugin: String,
@@ -57,16 +58,16 @@ struct File {
     /// The selector of tasks; all if absent.
     tasks: Option<String>,
     /// The rule profile, as `--rules` takes it.
-    #[serde(default = "paper")]
+    #[serde(default = "rules")]
     rules: String,
     #[serde(default)]
     trace: TraceMode,
     /// The planners.
     planners: Vec<Planner>,
-    #[serde(default = "hmmwv")]
+    #[serde(default = "vehicles")]
     /// The vehicles, as `--vehicle` takes them.
     vehicles: Vec<String>,
-    #[serde(default = "oracle")]
+    #[serde(default = "perceptions")]
     /// The perception profiles, as `--perception` takes them.
     perceptions: Vec<String>,
     /// The seeds.
@@ -86,7 +87,7 @@ struct Planner {
     params: BTreeMap<String, Values>,
 }
 
-/// A value, or several to be tried.
+/// A value, or a list of values.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Values {
@@ -115,16 +116,16 @@ impl Value {
     }
 }
 
-fn paper() -> String {
-    "paper".to_owned()
+fn rules() -> String {
+    RULES.to_owned()
 }
 
-fn hmmwv() -> Vec<String> {
-    vec!["hmmwv".to_owned()]
+fn vehicles() -> Vec<String> {
+    vec![VEHICLE.to_owned()]
 }
 
-fn oracle() -> Vec<String> {
-    vec!["oracle".to_owned()]
+fn perceptions() -> Vec<String> {
+    vec![PERCEPTION.to_owned()]
 }
 
 fn zero() -> Vec<u64> {
@@ -156,7 +157,7 @@ impl Spec {
             ("seeds", read.seeds.len()),
         ];
         if let Some((field, _)) = lists.iter().find(|(_, n)| *n == 0) {
-            return Err(Flaw::new(*field, "the list is empty (leave it out, or name something)"));
+            return Err(Flaw::new(*field, "the list is empty (omit it, or add an entry)"));
         }
         let mut variants = Vec::new();
         for (k, planner) in read.planners.iter().enumerate() {
@@ -166,10 +167,7 @@ impl Spec {
             .into_iter()
             .try_fold(1usize, usize::checked_mul);
         if count.is_none_or(|n| n > MOST) {
-            return Err(Flaw::new(
-                "planners",
-                format!("the sweep has more than {MOST} runs (make several of it)"),
-            ));
+            return Err(Flaw::new("planners", format!("the sweep has more than {MOST} runs (split it)")));
         }
         let mut runs = Vec::new();
         for variant in &variants {
@@ -183,8 +181,7 @@ impl Spec {
         }
         let mut names = BTreeSet::new();
         if let Some(twice) = runs.iter().find(|r| !names.insert(r.name.as_str())) {
-            let problem =
-                format!("two runs are called {} (give one of the planners another name)", twice.name);
+            let problem = format!("two runs have the name {} (rename one of the planners)", twice.name);
             return Err(Flaw::new("planners", problem));
         }
         let suite = read.suite.map(|s| beside(folder, &s));
@@ -218,7 +215,12 @@ impl Planner {
         let stem = Path::new(&self.plugin).file_stem().map(|s| s.to_string_lossy().into_owned());
         let own = match self.name.clone().or(stem) {
             Some(name) if !name.is_empty() => name,
-            _ => return Err(Flaw::new("plugin", format!("{:?} is no file and no command", self.plugin))),
+            _ => {
+                return Err(Flaw::new(
+                    "plugin",
+                    format!("{:?} is neither a file nor a command", self.plugin),
+                ));
+            }
         };
         let mut combinations = vec![BTreeMap::new()];
         for (key, values) in &self.params {
@@ -227,10 +229,10 @@ impl Planner {
                 Values::Many(values) => values.iter().map(Value::text).collect(),
             };
             if values.is_empty() {
-                return Err(Flaw::new(format!("params.{key}"), "the list is empty (name a value)"));
+                return Err(Flaw::new(format!("params.{key}"), "the list is empty (add a value)"));
             }
             if values.len().saturating_mul(combinations.len()) > MOST {
-                let problem = format!("the sweep has more than {MOST} runs (make several of it)");
+                let problem = format!("the sweep has more than {MOST} runs (split it)");
                 return Err(Flaw::new(format!("params.{key}"), problem));
             }
             let with = |known: &BTreeMap<String, String>| {
@@ -338,7 +340,7 @@ mod tests {
                 .contains("planners[0].params.speed: the list is empty")
         );
         let twice = told("planners: [{plugin: a/pid.wasm}, {plugin: b/pid.wasm}]\n");
-        assert!(twice.contains("two runs are called pid--hmmwv--oracle--0"), "{twice}");
+        assert!(twice.contains("two runs have the name pid--hmmwv--oracle--0"), "{twice}");
         let many =
             format!("{pid}seeds: [{}]\n", (0..1001).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
         let vehicles =

@@ -1,8 +1,7 @@
-//! Why a vehicle rolled over or got stuck, judged by its last seconds.
+//! Causes of rollover and immobilisation, determined from the last seconds of a trial.
 //!
-//! The outcome says that a trial failed; the cause says what the vehicle was up against, and the evidence says by which figures
-//! that is known. It is a judgement by simple rules on loads, slip, sinkage, attitude, the ground and what stands near, and it
-//! changes no score.
+//! The outcome states that a trial failed; the cause states the reason, and the evidence the measured values. It
+//! follows from simple rules on loads, slip, sinkage, attitude, terrain and nearby obstacles, and affects no score.
 
 mod moment;
 mod rollover;
@@ -55,37 +54,37 @@ macro_rules! causes {
 }
 
 causes! {
-    /// It tipped over while it stood at an obstacle, or climbed it.
+    /// The vehicle tipped over at or on an obstacle.
     RolloverAtObstacle = "rollover_at_obstacle", "tipped over at an obstacle";
-    /// It tipped over an edge, beyond which the ground falls away.
+    /// The vehicle tipped over an edge beyond which the terrain drops.
     RolloverOverEdge = "rollover_over_edge", "tipped over an edge";
-    /// It tipped over in a turn or a leap that was too fast.
+    /// The vehicle tipped over in a turn or jump at excessive speed.
     RolloverAtSpeed = "rollover_at_speed", "tipped over at speed";
-    /// It tipped over its front or rear.
+    /// The vehicle tipped over its front or rear.
     RolloverEndOverEnd = "rollover_end_over_end", "tipped end over end";
-    /// It tipped over sideways on ground that was too steep.
+    /// The vehicle tipped over sideways on too steep a side slope.
     RolloverOnSideSlope = "rollover_on_side_slope", "tipped over on a side slope";
-    /// The driver gave no throttle.
+    /// The planner commanded no throttle.
     NotDriven = "not_driven", "not driven";
-    /// The hull carries the vehicle, and the wheels lack load.
+    /// The hull bears the vehicle, and the wheels lack load.
     HighCentred = "high_centred", "high-centred";
-    /// An obstacle stands in the way.
+    /// An obstacle blocks the vehicle.
     AgainstObstacle = "against_obstacle", "against an obstacle";
-    /// Two wheels of a diagonal hang, and spin instead of those that bear the vehicle.
+    /// Two diagonally opposite wheels are unloaded and spin, while the loaded wheels don't drive.
     CrossAxled = "cross_axled", "spinning across a diagonal";
-    /// Wheels that are no diagonal hang in the air and spin.
+    /// Wheels that are not diagonally opposite are off the ground and spin.
     WheelsOffGround = "wheels_off_ground", "wheels off the ground";
-    /// The ground rises like a wall before a leading wheel.
+    /// A steep rise blocks a leading wheel.
     AgainstWall = "against_wall", "against a wall";
-    /// The wheels spin on soil, or are sunk in it.
+    /// The wheels spin on soil, or have sunk into it.
     SpinningOnSoil = "spinning_on_soil", "spinning on soil";
-    /// The ground ahead is so steep that the wheels slip or the engine doesn't suffice.
+    /// The terrain ahead is too steep for the traction or the engine.
     TooSteep = "too_steep", "too steep";
-    /// It slips down the slope on which it drives.
+    /// The vehicle slides down the slope on which it drives.
     Sliding = "sliding", "sliding";
     /// Wheels spin on firm ground, and the others don't move the vehicle.
     SpinningOnFirm = "spinning_on_firm", "spinning on firm ground";
-    /// None of these.
+    /// None of the above.
     Other = "other", "other";
 }
 
@@ -130,12 +129,12 @@ impl fmt::Display for Cause {
     }
 }
 
-/// A cause, and the figures that it was known by.
+/// A cause and the measured values on which it is based.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnosis {
     /// The cause.
     pub cause: Cause,
-    /// The evidence for it in words, e.g. "the hull bears 43 % of the weight"; empty if there is none.
+    /// The evidence as text, e.g. "the hull bears 43 % of the weight"; empty if there is none.
     pub evidence: String,
 }
 

@@ -30,25 +30,25 @@ measures! {
     /// those of the chassis at the driver's seat, without gravity, along the axes of the body.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
     "ride": pub struct Ride {
-        /// Peak of the magnitude of the acceleration at the seat, below 30 Hz, g.
+        /// Peak magnitude of the acceleration at the seat, below 30 Hz, g.
         pub seat_peak_g: f64,
-        /// Peak of its vertical component, below 30 Hz, g.
+        /// Peak vertical acceleration at the seat, below 30 Hz, g.
         pub seat_peak_z_g: f64
-            => column("peak g") drawn(Pages, "Peak of vertical acceleration at the seat", "g"),
+            => column("peak g") drawn(Pages, "Peak vertical acceleration at the seat", "g"),
         /// Total vibration value at the seat, m/s²: the root of 1.4² (x² + y²) + z², weighted by W_d, W_d and W_k.
         pub seat_rms_m_per_s2: f64,
-        /// Vertical vibration at the seat, m/s²: the effective value weighted by W_k.
+        /// Vertical vibration at the seat, m/s²: the RMS value weighted by W_k.
         pub seat_rms_z_m_per_s2: f64,
         /// Mean power that the driver absorbs from vertical vibration, W.
         pub absorbed_power_w: f64 => column("absorbed W") drawn(Pages, "Absorbed power", "W"),
-        /// Fraction of the time in which no wheel bears a load and the hull is free.
+        /// Fraction of the time without load on any wheel or on the hull.
         pub airborne_fraction: f64,
         /// Whether the vehicle was upright (tilt below 60°) with a load on two wheels or more in the last 0.2 s.
         pub landed: bool,
-        /// Maximum mechanical energy that nothing supplied, J.
+        /// Maximum mechanical energy without a physical source, J.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub energy_surplus_j: Option<f64>,
-        /// Fraction of the steps in which the depth of a wheel was limited.
+        /// Fraction of the steps in which the contact depth of a wheel was limited.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub held_fraction: Option<f64>,
     }

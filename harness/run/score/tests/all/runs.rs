@@ -9,8 +9,8 @@ use std::path::Path;
 use vb_math::rng::Stream;
 use vb_math::sin;
 use vb_record::{
-    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample, SuiteHeader,
-    TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
+    DataHeader, LogMode, PluginHeader, PluginKind, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, Sample,
+    SuiteHeader, TRACE_SCHEMA, TraceMeta, TraceMode, TraceRecorder,
 };
 use vb_score::{
     Conditions, Fault, Flag, FuelUse, Outcome, RescoreError, Ride, Rules, Scorer, Summary, TaskGeometry,
@@ -33,7 +33,7 @@ fn header(rules: &Rules, trace: TraceMode, tasks: u64) -> RunHeader {
             name: "pid".into(),
             version: "1.0.0".into(),
             sha256: "bb".into(),
-            kind: "wasm".into(),
+            kind: PluginKind::Wasm,
             path: "pid.wasm".into(),
             control_period: 0.1,
             eligible_for_ranking: true,
@@ -400,7 +400,7 @@ fn what_the_host_failed_counts_for_nobody() {
     assert_eq!(with.host_errors, ["w9/t9"]);
     assert_eq!((&with.all, &with.world, &with.terrain), (&without.all, &without.world, &without.terrain));
     assert_eq!((without.missing(), with.missing()), (1, 0));
-    assert!(with.table(None).contains("1 failed by the harness or the machine, not counted above"));
+    assert!(with.table(None).contains("1 failed because of the harness or the machine, not counted above"));
 }
 
 #[test]
@@ -484,7 +484,7 @@ fn a_run_without_a_finished_task_has_an_empty_summary_and_a_table() {
     let rules = Rules::paper();
     let summary = Summary::new(&header(&rules, TraceMode::None, 7), &rules, &[], Vec::new());
     assert!(summary.all.is_none());
-    assert!(summary.table(None).contains("7 of 7 tasks not run yet"));
+    assert!(summary.table(None).contains("7 of 7 tasks pending"));
     serde_json::to_string(&summary).unwrap();
 }
 

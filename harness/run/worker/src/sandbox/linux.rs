@@ -77,7 +77,7 @@ pub fn confine_compiler(memory_bytes: u64, seconds: u64) -> io::Result<()> {
     let (first, last) = (Some(seconds), Some(seconds.saturating_add(5)));
     let cpu = rustix::process::setrlimit(Resource::Cpu, Rlimit { current: first, maximum: last });
     if !limits || cpu.is_err() {
-        return Err(io::Error::other("the system refuses limits of memory and processor time"));
+        return Err(io::Error::other("the system rejects the limits of memory and processor time"));
     }
     if rustix::thread::set_no_new_privs(true).is_ok() {
         restrict(None).map_err(io::Error::other)?;
@@ -103,8 +103,7 @@ pub(crate) fn confine(library: &Path, memory_bytes: u64) -> io::Result<SandboxRe
     for (resource, name, wanted) in [(Resource::Data, "d", data), (Resource::As, "v", space)] {
         // With less than it may have, a planner would fail for want of memory that the machine refuses.
         if let Some(granted) = rustix::process::getrlimit(resource).maximum.filter(|m| *m < wanted) {
-            let text =
-                format!("the system gives {granted} bytes (ulimit -{name}) of {wanted} that it may take");
+            let text = format!("the system provides {granted} bytes (ulimit -{name}) of {wanted}");
             return Err(io::Error::other(text));
         }
     }

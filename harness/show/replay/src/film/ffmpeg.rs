@@ -99,7 +99,7 @@ impl Encoder {
     /// Hands a frame over.
     pub(crate) fn take(&mut self, frame: &[u8]) -> Result<(), FilmError> {
         let failed = |reason: String| FilmError::Encoder { path: self.path.clone(), reason };
-        let Some(input) = &mut self.input else { return Err(failed("it takes no frames".to_owned())) };
+        let Some(input) = &mut self.input else { return Err(failed("it accepts no frames".to_owned())) };
         input.write_all(frame).map_err(|e| failed(e.to_string()))
     }
 

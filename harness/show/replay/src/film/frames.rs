@@ -48,19 +48,20 @@ impl Film {
         for (k, run) in replay.runs.iter().enumerate() {
             let wrong = |reason| FilmError::Run { run: run.label.clone(), task: task.clone(), reason };
             if run.motion.frames.is_empty() {
-                return Err(wrong("its trace has no samples (run the task again with --trace 10hz or full)"));
+                return Err(wrong("its trace has no samples (re-run the task with --trace 10hz or full)"));
             }
             let spec = &*run.vehicle;
             if run.motion.wheels != 2 * spec.axles.len() {
                 return Err(wrong(
-                    "its vehicle has other wheels than the trace (name the run's with --vehicle)",
+                    "its vehicle has other wheels than the trace (give the run's vehicle with --vehicle)",
                 ));
             }
             let painter = match painters.iter().find(|(of, _)| *of == spec) {
                 Some((_, painter)) => painter.clone(),
                 None => {
-                    let model = VehicleModel::new(spec.clone())
-                        .map_err(|_| wrong("its vehicle can't be drawn (name the run's with --vehicle)"))?;
+                    let model = VehicleModel::new(spec.clone()).map_err(|_| {
+                        wrong("its vehicle cannot be rendered (give the run's vehicle with --vehicle)")
+                    })?;
                     let painter = Arc::new(Painter::new(&replay.world, &model));
                     painters.push((spec, painter.clone()));
                     painter

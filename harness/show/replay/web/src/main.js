@@ -132,24 +132,24 @@ const senses = (name) => [seen && stage.senses.some((s) => s.has[name]), (on) =>
   stage.showSenses($('depth-image'));
 }];
 const TOGGLES = [
-  ['classes', 'g', 'classes of the ground', seen, (on) => stage.world.showClasses(on)],
+  ['classes', 'g', 'terrain classes', seen, (on) => stage.world.showClasses(on)],
   ['obstacles', 'o', 'obstacles', seen, (on) => { stage.world.obstacles.visible = on; }],
   ['path', 'y', 'global path, start and goal', seen, (on) => { stage.world.path.visible = on; }],
-  ['ruts', 'f', 'ruts of the run that is followed', seen && data.runs.some((r) => r.ruts.count), (on) => {
+  ['ruts', 'f', 'ruts of the followed run', seen && data.runs.some((r) => r.ruts.count), (on) => {
     stage.digs = on;
     $('rut-scale').hidden = !on;
     stage.showRuts();
   }],
-  ['plan', 'i', 'what the planner intends', seen && stage.runs.some((r) => r.plans.length), (on) => {
+  ['plan', 'i', 'plan of the planner', seen && stage.runs.some((r) => r.plans.length), (on) => {
     for (const plan of stage.runs.flatMap((run) => run.plans)) plan.lines.visible = on;
   }],
   ['ghosts', 'h', 'the other runs', seen && data.runs.length > 1, (on) => { stage.ghosts = on; stage.showRuns(); }],
-  ['hull', 'x', 'the hull: without it one sees through to axles and links', seen, (on) => { stage.through = !on; stage.showRuns(); }],
-  ['beside', 'b', 'curves and wheels beside the view', true, (on) => { $('plots').parentElement.hidden = !on; plots.draw(); }],
+  ['hull', 'x', 'hull; off: axles and links are visible', seen, (on) => { stage.through = !on; stage.showRuns(); }],
+  ['beside', 'b', 'curves and wheels', true, (on) => { $('plots').parentElement.hidden = !on; plots.draw(); }],
   ['lidar', 'l', 'points of the lidar', ...senses('lidar')],
   ['map', 'm', 'local map', ...senses('map')],
   ['depth', 'z', 'image of the depth camera', ...senses('depth')],
-  ['estimate', 'e', 'estimated way', ...senses('estimate')],
+  ['estimate', 'e', 'estimated trajectory', ...senses('estimate')],
 ];
 const box = (name) => document.querySelector(`#toggles input[name=${name}]`);
 for (const [name, key, text, there, act] of TOGGLES) {
@@ -192,7 +192,7 @@ const KEYS = [
     [['w', 'a', 's', 'd'], ['w', 'a', 's', 'd'], 'turn the camera; from above, move the map',
       (e) => stage?.move({ a: -1, d: 1 }[nameOf(e)] ?? 0, { w: 1, s: -1 }[nameOf(e)] ?? 0)],
     [['+', '=', '-'], ['+', '−'], 'nearer, farther', (e) => stage?.zoom(e.key === '-' ? 1 / 1.25 : 1.25)],
-    [['c'], ['c'], 'the view as it was at first, on the vehicle', () => look(mode)],
+    [['c'], ['c'], 'reset the view to the vehicle', () => look(mode)],
     [['t'], ['t'], 'colour the trail by speed, by roll, by run', () => {
       const by = $('trail');
       by.selectedIndex = (by.selectedIndex + 1) % by.options.length;
@@ -200,7 +200,7 @@ const KEYS = [
     }],
   ]],
   ['Runs and tasks', [
-    [['r'], ['r'], 'follow the next run; with shift the one before', (e) => follow((followed + (e.shiftKey ? data.runs.length - 1 : 1)) % data.runs.length)],
+    [['r'], ['r'], 'follow the next run; with shift the previous run', (e) => follow((followed + (e.shiftKey ? data.runs.length - 1 : 1)) % data.runs.length)],
     [['p', 'n'], ['p', 'n'], 'previous, next replay of the report', (e) => go(nameOf(e) === 'p' ? 'previous' : 'next')()],
     [['u'], ['u'], 'up to the report', go('report')],
     [['?'], ['?'], 'this list; escape closes it', () => keys.toggle()],

@@ -54,7 +54,7 @@ function build(scene) {
   camera.near = 0.05 * unit;
   camera.updateProjectionMatrix();
   $('task').textContent = scene.task;
-  $('labels').textContent = `${scene.labels[0]} elevation, ${scene.labels[1]} ground, ${scene.labels[2]} obstacles · ${scene.vehicle.name}`;
+  $('labels').textContent = `${scene.labels[0]} elevation, ${scene.labels[1]} terrain, ${scene.labels[2]} obstacles · ${scene.vehicle.name}`;
   stage = { scene, three, world, vehicle, run, unit, sun };
   latest = null;
 }

@@ -8,7 +8,7 @@ const make = (tag, text = '') => Object.assign(document.createElement(tag), { te
 export function tellTask(data, follow) {
   document.title = `${data.task} on ${data.suite}`;
   $('task').textContent = data.task;
-  $('labels').textContent = `${data.labels[0]} elevation, ${data.labels[1]} ground, ${data.labels[2]} obstacles · ${data.suite}`;
+  $('labels').textContent = `${data.labels[0]} elevation, ${data.labels[1]} terrain, ${data.labels[2]} obstacles · ${data.suite}`;
   for (const [kind, sign] of [['report', '↑ '], ['previous', '← '], ['next', '']]) {
     const link = data.links?.[kind];
     if (!link) continue;
@@ -28,7 +28,7 @@ export function tellTask(data, follow) {
     const outcome = make('em', `${run.outcome}, ${run.time.toFixed(1)} s`);
     outcome.className = run.success ? 'good' : 'bad';
     button.append(swatch, make('span', run.label), outcome);
-    button.title = run.exact ? 'simulated again, bit for bit as recorded' : 'as sampled: ruts, loads and slip are unknown';
+    button.title = run.exact ? 're-simulated, bit-identical to the record' : 'from recorded samples, without ruts, loads and slip';
     button.addEventListener('click', () => follow(k));
     li.append(button);
     $('runs').append(li);
@@ -57,7 +57,7 @@ export function tellTask(data, follow) {
 // With what a run was driven, and why it ended.
 export function tellRun(run) {
   $('facts').replaceChildren(...run.facts.flatMap(([term, text]) => [make('dt', term), make('dd', text)]));
-  if (!run.exact) $('facts').append(make('dt', 'shown'), make('dd', 'the recorded samples, which have no ruts, loads and slip'));
+  if (!run.exact) $('facts').append(make('dt', 'shown'), make('dd', 'recorded samples, without ruts, loads and slip'));
 }
 
 // How the run that is followed ended, once it has.

@@ -139,5 +139,5 @@ pub(crate) fn causes(report: &Report, wide: f64) -> Option<Drawing> {
         sign(s, part, [x + 11.0, y]);
     };
     f.height += 6.0 + rows(&mut s, &entries, [8.0, f.height + 4.0], wide - 16.0, swatch);
-    Some(Drawing::new("Why tasks fail", &f, s))
+    Some(Drawing::new("Causes of failures", &f, s))
 }

@@ -149,7 +149,7 @@ impl Bins {
                 base - bars - 2.0
             );
         }
-        f.texts(&mut s, &format!("{unit}; the highest bar is {} % of the tasks", number(100.0 * top, 0)), "");
+        f.texts(&mut s, &format!("{unit}; maximum bar: {} % of the tasks", number(100.0 * top, 0)), "");
         Drawing::new(title, &f, s)
     }
 }

@@ -102,9 +102,9 @@ pub(crate) fn forest(
         marker(s, *x, [f.sx(shown(e.mean)), at], 4.2, &told);
     }
     let (unit, meaning) = match measure {
-        Measure::Success => ("points", "right: the one named first succeeds more"),
-        Measure::Time => ("s", "left: the one named first is faster"),
-        Measure::Roll | Measure::Pitch => ("degrees", "left: the one named first tilts less"),
+        Measure::Success => ("points", "right: higher success of the first planner"),
+        Measure::Time => ("s", "left: lower time of the first planner"),
+        Measure::Roll | Measure::Pitch => ("degrees", "left: lower tilt of the first planner"),
     };
     let whole = format!("{unit} ({meaning})");
     f.texts(s, if width(&whole, TEXT) <= wide { &whole } else { unit }, "");

@@ -116,7 +116,7 @@ pub(crate) fn panel(
             let Some(e) = figures.mean(measure) else {
                 let _ = write!(
                     s,
-                    "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">–<title>{name}: nothing to average</title></text>",
+                    "<text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">–<title>{name}: no values</title></text>",
                     f.sx(centre),
                     f.sy(0.0) - 3.0
                 );

@@ -136,7 +136,7 @@ fn points(way: &[[f64; 2]]) -> String {
     d
 }
 
-/// What happened, in a sentence.
+/// A one-sentence description of the result.
 fn told(report: &Report, w: &Way<'_>) -> String {
     let outcome = w.row.outcome.name().replace('_', " ");
     let note = if w.row.note.is_empty() { String::new() } else { format!(": {}", w.row.note) };
@@ -159,8 +159,8 @@ fn controls(s: &mut String, report: &Report) {
         );
     }
     s.push_str(
-        "</fieldset><label>ways <select name=\"ways\"><option value=\"\">all</option><option value=\"false\">of failures</option><option \
-         value=\"true\">of successes</option></select></label><label>ground <select name=\"ground\"><option value=\"classes\">kinds</option>\
+        "</fieldset><label>trajectories <select name=\"ways\"><option value=\"\">all</option><option value=\"false\">of failures</option><option \
+         value=\"true\">of successes</option></select></label><label>terrain <select name=\"ground\"><option value=\"classes\">classes</option>\
          <option value=\"heights\">heights</option><option value=\"slopes\">slopes</option><option value=\"friction\">friction</option>\
          </select></label></form>",
     );
@@ -214,13 +214,13 @@ fn table(s: &mut String, report: &Report, world: &World, ways: &[Way<'_>], links
     s.push_str("</tbody></table></div>");
     if untraced {
         s.push_str(
-            "<p class=\"about\">Some tasks have no way on the map, since no trace of them was kept (run with --trace 10hz) or carried along (a \
-             submission has those of a few tasks). A ring is where they ended. Tasks that ended before the first \
+            "<p class=\"about\">Some tasks have no trajectory on the map, because their traces were not recorded (run with --trace 10hz) or not included (a \
+             submission contains traces of a few tasks). A ring marks their end. Tasks that ended before the first \
              sample have a dashed ring at the goal.</p>",
         );
     }
     s.push_str(
-        "<p class=\"about\">A ring is where a way ended before the goal, in the colour of the outcome; within it is the run's marker. White \
-         lines are the tasks' global paths. A click on a task's row shows its ways alone, one on its name leads to it in the report; ← and → go to the world before and after.</p>",
+        "<p class=\"about\">A ring marks the end of a trajectory before the goal, in the colour of the outcome, with the run's marker. White \
+         lines are the tasks' global paths. Click a task's row to show only its trajectories, or its name to open it in the report; ← and → open the previous and the next world.</p>",
     );
 }

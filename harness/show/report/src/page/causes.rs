@@ -22,7 +22,9 @@ fn head(report: &Report, g: &Group<'_>) -> String {
 pub(super) fn causes(s: &mut String, report: &Report) {
     let (groups, found) = (groups(report), failures(report));
     if !found.iter().any(|f| matches!(f, Failure::Cause(_))) {
-        s.push_str("<p>No vehicle rolled over or got stuck, or the records are of a version that doesn't say why.</p>");
+        s.push_str(
+            "<p>No vehicle rolled over or got stuck, or the records are of a version without causes.</p>",
+        );
         return;
     }
     if let Some(drawing) = drawing(report, 1.5 * PAGE_FIGURE) {
@@ -30,7 +32,7 @@ pub(super) fn causes(s: &mut String, report: &Report) {
         drawing.show(s);
         s.push_str("</div>");
     }
-    s.push_str("<div class=\"scroll\"><table class=\"causes\"><thead><tr><th>what stopped it</th>");
+    s.push_str("<div class=\"scroll\"><table class=\"causes\"><thead><tr><th>cause</th>");
     for g in &groups {
         let _ = write!(s, "<th class=\"n\">{}</th>", head(report, g));
     }
@@ -70,7 +72,7 @@ pub(super) fn causes(s: &mut String, report: &Report) {
         s.push_str("</tr>");
     }
     s.push_str(
-        "</tbody></table></div><p class=\"about\">Shares are of all tasks of a column. The cause is judged by loads, slip, sinkage, attitude and \
-         surroundings of the last seconds (docs/scoring.md), and a task in the list below says by which figures. A click shows the tasks.</p>",
+        "</tbody></table></div><p class=\"about\">Percentages of all tasks of the planner. The cause follows from loads, slip, sinkage, attitude and \
+         surroundings in the last seconds (docs/scoring.md); the task list below contains the values. Click a number to list its tasks.</p>",
     );
 }

@@ -25,7 +25,7 @@ pub(super) fn comparison(s: &mut String, report: &Report) {
     let open = if c.pairs.len() <= PAIRS { " open" } else { "" };
     let _ = write!(
         s,
-        "<details class=\"more-figures\"{open}><summary>All {} with their tests</summary>",
+        "<details class=\"more-figures\"{open}><summary>All {} with tests</summary>",
         if c.pairs.len() == 1 {
             "figures of the pair".to_owned()
         } else {
@@ -34,8 +34,8 @@ pub(super) fn comparison(s: &mut String, report: &Report) {
     );
     table(s, report, c);
     s.push_str(
-        "<p class=\"about\">Worlds: those that differ, of those that are needed if they are too few. The last column assumes more and decides nothing: McNemar's exact test takes tasks as independent, which they \
-         are not within a world; Wilcoxon's signed-rank test counts each world the same, however many tasks it has. Neither is corrected.</p></details>",
+        "<p class=\"about\">Worlds: number of worlds that differ, and the number needed if there are too few. The last column has secondary tests without correction: McNemar's exact test assumes independent tasks, \
+         but tasks of a world are dependent; Wilcoxon's signed-rank test weights all worlds equally, independent of their number of tasks.</p></details>",
     );
 }
 
@@ -44,18 +44,17 @@ fn decision(s: &mut String, c: &Comparison) {
     let pairs = c.pairs.len();
     let _ = write!(
         s,
-        "<p class=\"about\"><b>X − Y</b> is X's value less Y's, on the tasks that both have done: of time where both succeed, of angles \
-         the mean over tasks of their means. Better is more success, less time and less tilt. <b>The sign-flip test over worlds decides</b>, \
-         for all four figures: it flips the signs of whole worlds, since tasks of a world are not independent. {} Intervals (95 %, \
-         bootstrap over worlds) say how large a difference is; each is for itself, so one may leave out zero where the test, which \
-         minds the number of pairs and of worlds, is not certain. <b>Too few worlds</b>: had all worlds that differ done so the same way, \
-         it would not have been certain either.</p>",
+        "<p class=\"about\"><b>X − Y</b> is X's value less Y's on common tasks: of time on tasks that both complete, of angles \
+         the mean over tasks of their means. Better: more success, less time, less tilt. <b>The sign-flip test over worlds determines the \
+         verdict</b> of all four measures: it flips the signs of whole worlds, because tasks of a world are dependent. {} Intervals (95 %, \
+         bootstrap over worlds) are not corrected for multiple comparisons, so an interval may exclude 0 although the test is not \
+         significant. <b>Too few worlds</b>: the test cannot be significant, even if all worlds that differ have the same sign.</p>",
         if pairs == 1 {
-            "Each figure is a family of one test, so nothing is corrected.".to_owned()
+            "Each measure has one test, so there is no correction.".to_owned()
         } else {
             format!(
-                "Each figure is a family of {pairs} tests, one a pair, which Holm's correction makes hold together at 5 %: success decides who \
-                 wins, the others are secondary and correct only themselves."
+                "Holm's correction controls the error of the {pairs} tests of each measure, one per pair, at 5 %. Success determines the \
+                 ranking; the other measures are secondary and are corrected separately."
             )
         }
     );
@@ -71,7 +70,7 @@ fn needed(d: &Difference) -> String {
 
 fn table(s: &mut String, report: &Report, c: &Comparison) {
     s.push_str(
-        "<div class=\"scroll\"><table class=\"sortable pairs\"><thead><tr><th>X − Y</th><th>figure</th><th class=\"n\">difference</th><th \
+        "<div class=\"scroll\"><table class=\"sortable pairs\"><thead><tr><th>X − Y</th><th>measure</th><th class=\"n\">difference</th><th \
          class=\"n\">95 % interval</th><th class=\"n\">p</th><th class=\"n\">p (Holm)</th><th>X is</th><th class=\"n\">tasks</th><th \
          class=\"n\">worlds</th><th class=\"n\">both</th><th class=\"n\">X only</th><th class=\"n\">Y only</th><th \
          class=\"n\">neither</th><th class=\"n\">McNemar, Wilcoxon</th></tr></thead><tbody>",

@@ -45,7 +45,7 @@ fn page(report: &Report, beside: &Beside) -> String {
     );
     let mut sections: Vec<(&str, &str)> = Vec::new();
     if report.ranking().is_some() {
-        sections.push(("ranking", "Who wins"));
+        sections.push(("ranking", "Ranking"));
     }
     sections.extend([("overview", "Overview"), ("figure", "Figure")]);
     if report.comparison.is_some() {
@@ -56,7 +56,7 @@ fn page(report: &Report, beside: &Beside) -> String {
     }
     sections.extend([
         ("outcomes", "Outcomes"),
-        ("causes", "Why tasks fail"),
+        ("causes", "Causes of failures"),
         ("worlds", "Worlds"),
         ("distributions", "Distributions"),
         ("fuel", "Fuel"),
@@ -80,9 +80,9 @@ fn page(report: &Report, beside: &Beside) -> String {
                 s.push_str("<div class=\"paper\">");
                 levels(report).iter().for_each(|panel| panel.show(&mut s));
                 s.push_str(
-                    "</div><p class=\"about\">Bars are means, whiskers their 95 % intervals by the bootstrap over worlds: tasks of a world \
-                     are not independent. Time is that of successful tasks, angles are over all samples of all tasks, as the paper's \
-                     figure has them.</p>",
+                    "</div><p class=\"about\">Bars are means, whiskers 95 % intervals (bootstrap over worlds, because tasks of a world \
+                     are dependent). Time: successful tasks; angles: all samples of all tasks, as in the paper's \
+                     figure.</p>",
                 );
             }
             "comparison" => comparison::comparison(&mut s, report),

@@ -22,7 +22,7 @@
     ['terrain', (r) => data.worlds[r[2]][2]],
     ['density', (r) => data.worlds[r[2]][3]],
     ['outcome', (r) => data.outcomes[r[3]]],
-    ['stopped by', (r) => (r[8] === null ? '' : data.causes[r[8]][1])],
+    ['cause', (r) => (r[8] === null ? '' : data.causes[r[8]][1])],
     ['time s', (r) => r[4], 1],
     ...data.measures.map(([head, digits], k) => [head, (r) => r[5][k], digits])
       .filter(([, of]) => data.rows.some((r) => of(r) !== null)),
@@ -30,7 +30,7 @@
     ['replay', (r) => r[7]],
   ].filter((c) => (many || c[0] !== 'run') && (c[0] !== 'replay' || data.rows.some((r) => r[7]))
     && (c[0] !== 'map' || data.worlds.some((w) => w[4]))
-    && (c[0] !== 'stopped by' || data.rows.some((r) => r[8] !== null)));
+    && (c[0] !== 'cause' || data.rows.some((r) => r[8] !== null)));
   const levels = ['low', 'medium', 'high', 'sparse', 'medium', 'dense'];
   const rank = (v) => (levels.includes(v) ? levels.indexOf(v) % 3 : v);
   const form = $('form', browser);

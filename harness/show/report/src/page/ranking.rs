@@ -29,12 +29,14 @@ pub(super) fn ranking(s: &mut String, report: &Report) {
     let looks: Vec<usize> = (0..report.runs.runs.len()).collect();
     table(s, report, ranking, &looks);
     s.push_str(
-        "<p class=\"about\">Rank: one more than the number of planners that succeed in more tasks for certain; a range has the ranks that are \
-         possible. Success decides who wins; time, roll and pitch are secondary.</p>",
+        "<p class=\"about\">Rank: 1 + number of planners with a significantly higher success rate; a range contains the possible ranks. \
+         Success determines the ranking; time, roll and pitch are secondary.</p>",
     );
     matrix(s, report, c, ranking, Measure::Success);
     key(s);
-    s.push_str("<details class=\"more-figures\"><summary>The same for time, roll and pitch</summary><div class=\"matrices\">");
+    s.push_str(
+        "<details class=\"more-figures\"><summary>Time, roll and pitch</summary><div class=\"matrices\">",
+    );
     for measure in [Measure::Time, Measure::Roll, Measure::Pitch] {
         matrix(s, report, c, ranking, measure);
     }
@@ -181,10 +183,10 @@ fn told(report: &Report, d: &Difference, x: usize, y: usize) -> String {
 
 fn key(s: &mut String) {
     s.push_str(
-        "<p class=\"key cells\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>better for certain</span><span><i \
-         class=\"cell worse strong\"></i><i class=\"cell worse\"></i>worse for certain</span><span><i class=\"cell open rather-better\"></i><i \
+        "<p class=\"key cells\"><span><i class=\"cell better strong\"></i><i class=\"cell better\"></i>significantly better</span><span><i \
+         class=\"cell worse strong\"></i><i class=\"cell worse\"></i>significantly worse</span><span><i class=\"cell open rather-better\"></i><i \
          class=\"cell open rather-worse\"></i>not significant</span><span class=\"few-key\">too few worlds</span></p><p class=\"about\">Strong \
-         colours: at least half of the greatest difference. A click on a cell lists the tasks that the row does and the column doesn't.</p>",
+         colours: at least half of the maximum difference. Click a cell to list the tasks that the row solves and the column does not.</p>",
     );
 }
 

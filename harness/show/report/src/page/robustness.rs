@@ -20,8 +20,8 @@ pub(super) fn robustness(s: &mut String, report: &Report) {
     s.push_str("</div>");
     table(s, report, r);
     s.push_str(
-        "<p class=\"about\">Each line is one planner under several perception profiles, with nothing else changed. Whiskers: 95 %, \
-         bootstrap over worlds. Differences are from the planner's first profile, paired by tasks; p: the \
+        "<p class=\"about\">Each line is one planner under several perception profiles, with otherwise equal settings. Whiskers: 95 % \
+         intervals, bootstrap over worlds. Differences to the planner's first profile, paired by task; p: \
          sign-flip test over worlds, after Holm's correction over this table.</p>",
     );
 }

@@ -13,21 +13,21 @@ use vb_world::{Density, Elevation, Terrain};
 /// Worlds beyond this number are not drawn one by one.
 const WORLDS: usize = 3000;
 
-/// What the reader should know before he looks at figures.
+/// Notes about incomplete and incomparable results.
 pub(super) fn notes(s: &mut String, report: &Report) {
     let mut notes = Vec::new();
     for run in &report.runs.runs {
         let name = escape(&run.label);
         if run.missing() > 0 {
             notes.push(format!(
-                "{name}: {} of {} tasks are not done yet; figures are over the others.",
+                "{name}: {} of {} tasks are pending; the results cover the others.",
                 grouped(run.missing()),
                 grouped(run.header.tasks)
             ));
         }
         if run.host_errors() > 0 {
             notes.push(format!(
-                "{name}: the harness or the machine failed {} tasks, which are in no figure (run --resume runs them again).",
+                "{name}: {} tasks failed because of the harness or the machine, and are excluded (run --resume re-runs them).",
                 run.host_errors()
             ));
         }
@@ -36,7 +36,7 @@ pub(super) fn notes(s: &mut String, report: &Report) {
             notes.push(format!("{name}: the simulation of {failed} tasks failed; they count as failures."));
         }
         if !run.header.plugin.eligible_for_ranking {
-            notes.push(format!("{name}: a command, whose results are not ranked."));
+            notes.push(format!("{name}: a command; results of commands are not ranked."));
         }
     }
     notes.extend(report.settings_notes().iter().map(|note| escape(note)));
@@ -49,8 +49,8 @@ pub(super) fn notes(s: &mut String, report: &Report) {
         && let Some(pair) = c.pairs.iter().find(|p| p.common < sets[p.a].max(sets[p.b]) as u64)
     {
         notes.push(format!(
-            "Not all runs have done the same tasks ({} are common to {} and {}): overview and figure are over each run's own, \
-             comparisons over the common ones.",
+            "The runs contain different tasks ({} are common to {} and {}): overview and figures use all tasks of each run, \
+             comparisons the common tasks.",
             grouped(pair.common),
             escape(&report.runs.runs[pair.a].label),
             escape(&report.runs.runs[pair.b].label)
@@ -114,7 +114,7 @@ pub(super) fn overview(s: &mut String, report: &Report) {
             s,
             "</dl><p class=\"sub\">{}, {}; {}; vehicle {}, rules {}{}</p></article>",
             escape(&crate::runs::one_line(&h.planner(), 240)),
-            escape(&h.plugin.kind),
+            h.plugin.kind,
             escape(&crate::runs::one_line(&h.scope(), 240)),
             escape(&h.vehicle.name),
             escape(&h.rules.name),
@@ -192,8 +192,8 @@ pub(super) fn outcomes(s: &mut String, report: &Report) {
         );
     }
     s.push_str(
-        "</tbody></table></div><p class=\"about\">Errors of planner and simulation count as failures. The columns behind the outcomes count \
-         tasks whatever their outcome, and decide no rank: a tilt above 30° is the rollover rule of the authors' evaluation scripts; a strict \
+        "</tbody></table></div><p class=\"about\">Errors of planner and simulation count as failures. The columns after the outcomes count \
+         tasks of any outcome and do not affect ranks: a tilt above 30° is the rollover rule of the authors' evaluation scripts; a strict \
          success also ends upright on loaded wheels, without a shock above 2.5 g.</p>",
     );
     ride(s, report);
@@ -246,7 +246,7 @@ fn ride(s: &mut String, report: &Report) {
 
 pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
     if report.runs.worlds.len() > WORLDS {
-        let _ = write!(s, "<p>{} worlds are too many to draw.</p>", grouped(report.runs.worlds.len() as u64));
+        let _ = write!(s, "<p>Not drawn for {} worlds.</p>", grouped(report.runs.worlds.len() as u64));
         return;
     }
     let many = report.runs.runs.len() > 1;
@@ -290,8 +290,8 @@ pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
         s.push_str("</tbody></table></div>");
     }
     s.push_str(
-        "</div><p class=\"about\">A square a world, with its number of successes. Columns: elevation level; rows: kind of ground; \
-         obstacles grow denser from left to right, as the bar below a square tells. A click shows a world's tasks.</p><p class=\"key\">no success",
+        "</div><p class=\"about\">One square per world, with its number of successes. Columns: elevation level; rows: terrain; \
+         the bar below a square shows the obstacle density, which increases from left to right. Click a square to list the world's tasks.</p><p class=\"key\">no success",
     );
     for k in 0..6 {
         let _ = write!(s, "<i class=\"w h{k}\"></i>");
@@ -302,7 +302,7 @@ pub(super) fn worlds(s: &mut String, report: &Report, beside: &Beside) {
             beside.maps.iter().map(|w| format!("<a href=\"maps/{0}.html\">{0}</a>", escape(w))).collect();
         let _ = write!(
             s,
-            "<p class=\"about\">Maps with all ways, and where and why they ended: {}.</p>",
+            "<p class=\"about\">Maps with all trajectories, their ends and outcomes: {}.</p>",
             links.join(", ")
         );
     }
@@ -319,12 +319,14 @@ pub(super) fn distributions(s: &mut String, report: &Report) {
 pub(super) fn fuel(s: &mut String, report: &Report) {
     let metered = |run: &Run| run.counted().any(|r| r.fuel.is_some());
     if !report.runs.runs.iter().any(metered) {
-        s.push_str("<p>No planner of these runs is metered: native planners and commands use no fuel.</p>");
+        s.push_str(
+            "<p>No planner of these runs is metered: native planners and commands have no fuel metering.</p>",
+        );
         return;
     }
     s.push_str(
-        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>run</th><th class=\"n\">init, most</th><th class=\"n\">step, median</th>\
-         <th class=\"n\">step, 99 %</th><th class=\"n\">step, most</th><th class=\"n\">% of the limit</th><th class=\"n\">memory, MiB</th>\
+        "<div class=\"scroll\"><table class=\"sortable\"><thead><tr><th>run</th><th class=\"n\">init, maximum</th><th class=\"n\">step, median</th>\
+         <th class=\"n\">step, 99th percentile</th><th class=\"n\">step, maximum</th><th class=\"n\">% of the limit</th><th class=\"n\">memory, MiB</th>\
          <th class=\"n\">clamped commands</th></tr></thead><tbody>",
     );
     for run in &report.runs.runs {
@@ -341,7 +343,7 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
             {
                 let _ = write!(s, "<td class=\"n\" data-v=\"{v}\">{}</td>", grouped(v));
             }
-            let fraction = used.iter().map(|f| f.max_share).fold(0.0, f64::max);
+            let fraction = used.iter().map(|f| f.max_fraction).fold(0.0, f64::max);
             let memory = most(|f| f.memory_bytes) as f64 / f64::from(1 << 20);
             let _ = write!(
                 s,
@@ -355,7 +357,7 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
     }
     s.push_str("</tbody></table></div><div class=\"plots\">");
     let fuel = Quantity {
-        title: "Fuel of a step, 99 % of a task's steps",
+        title: "Fuel per step, 99th percentile of a task",
         unit: "units, logarithmic",
         value: Box::new(|r| r.fuel.map(|f| f.p99_step as f64)),
     };
@@ -365,8 +367,8 @@ pub(super) fn fuel(s: &mut String, report: &Report) {
         drawing.show(s);
     }
     s.push_str(
-        "</div><p class=\"about\">Fuel is about one unit an instruction and the same on every machine; it is the time of a step that can \
-         be compared. Seconds on the clock are not recorded: they differ from machine to machine.</p>",
+        "</div><p class=\"about\">Fuel is about one unit per instruction and identical on every machine, so it is comparable. \
+         Wall-clock times are not recorded, because they depend on the machine.</p>",
     );
 }
 
@@ -384,7 +386,7 @@ pub(super) fn about(s: &mut String, report: &Report) {
             text(&run.dir.display().to_string()),
             text(&h.scope()),
             text(&h.planner()),
-            text(&h.plugin.kind),
+            h.plugin.kind,
             escape(&h.plugin.sha256),
             short(&h.plugin.sha256),
             text(&h.vehicle.name),
@@ -401,8 +403,8 @@ pub(super) fn about(s: &mut String, report: &Report) {
         );
     }
     s.push_str(
-        "</tbody></table></div><p class=\"about\">Intervals: bias-corrected and accelerated bootstrap (Efron 1987) that draws whole worlds, \
-         10 000 resamples, fixed seed. Deciding test: sign flips of whole worlds (Fisher 1935; Good 2005), exact up to 18 worlds, else 99 999 \
-         draws (Phipson and Smyth 2010), with Holm's correction (1979) within each figure. Ranks: Mogstad, Romano, Shaikh and Wilhelm (2024). Performance profiles follow Dolan and Moré (2002).</p>",
+        "</tbody></table></div><p class=\"about\">Intervals: bias-corrected and accelerated bootstrap (Efron 1987) that resamples whole worlds, \
+         10 000 resamples, fixed seed. Test: sign flips of whole worlds (Fisher 1935; Good 2005), exact up to 18 worlds, otherwise 99 999 \
+         random flips (Phipson and Smyth 2010), with Holm's correction (1979) within each measure. Ranks: Mogstad, Romano, Shaikh and Wilhelm (2024). Performance profiles follow Dolan and Moré (2002).</p>",
     );
 }

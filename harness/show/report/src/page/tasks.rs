@@ -48,12 +48,12 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     if !beside.files.is_empty() {
         let list: Vec<String> =
             beside.files.iter().map(|f| format!("<a href=\"{0}\">{0}</a>", escape(f))).collect();
-        let _ = write!(s, "<p class=\"about\">All tasks as tables: {}.</p>", list.join(", "));
+        let _ = write!(s, "<p class=\"about\">All tasks as a table: {}.</p>", list.join(", "));
     }
     if shown < total {
         let _ = write!(
             s,
-            "<p class=\"about\">{} of {} tasks are listed, failures first, and the filters know no others; --csv and --parquet write all of them.</p>",
+            "<p class=\"about\">{} of {} tasks are listed, failures first; filters apply to these only. --csv and --parquet write all tasks.</p>",
             grouped(shown as u64),
             grouped(total as u64)
         );
@@ -61,8 +61,8 @@ pub(super) fn tasks(s: &mut String, report: &Report, beside: &Beside) {
     let _ = write!(
         s,
         "<div id=\"browser\"><form class=\"bar\" autocomplete=\"off\"><label>run <select name=\"run\"></select></label><label>outcome \
-         <select name=\"outcome\"></select></label><label>stopped by <select name=\"cause\"></select></label><label>tasks that <select name=\"does\"></select> does</label><label>and <select \
-         name=\"not\"></select> doesn't</label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
+         <select name=\"outcome\"></select></label><label>cause <select name=\"cause\"></select></label><label>solved by <select name=\"does\"></select></label><label>not by <select \
+         name=\"not\"></select></label><label>search <input name=\"text\" type=\"search\" placeholder=\"w012/t03, high, upside…\"></label>\
          <output></output></form><div class=\"scroll\"><table><thead></thead><tbody></tbody></table></div>\
          <p class=\"more\"><button type=\"button\">Show more</button></p><noscript>The list of tasks needs JavaScript.</noscript></div>\
          <script type=\"application/json\" id=\"data\">{}</script>",

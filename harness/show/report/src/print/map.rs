@@ -28,7 +28,7 @@ impl WorldMap<'_> {
         outcomes(self, &mut sheet);
         self.draw(&mut sheet);
         let world = self.world;
-        sheet.finish(report.figure_title(&format!("The ways on {}", world.id)))
+        sheet.finish(report.figure_title(&format!("Trajectories on {}", world.id)))
     }
 
     fn draw(&self, sheet: &mut Sheet) {

@@ -33,7 +33,7 @@ pub struct Paper {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PaperError {
     #[error(
-        "a figure {what} of {width} in is too narrow for texts of {font} pt: it needs {least:.2} in (choose a greater width, or smaller texts)"
+        "a figure {what} of {width} in is too narrow for texts of {font} pt: it needs {least:.2} in (choose a larger width, or a smaller font)"
     )]
     Narrow {
         /// Whether it is in a column or across the page.
@@ -45,7 +45,7 @@ pub enum PaperError {
         /// The least width for them, inches.
         least: f64,
     },
-    #[error("texts of {0} pt can't be read in a figure (choose from 4 to 24)")]
+    #[error("a font size of {0} pt is not valid in a figure (choose from 4 to 24)")]
     Font(f64),
 }
 

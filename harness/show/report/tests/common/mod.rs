@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use vb_record::{
-    DataHeader, LogMode, PluginHeader, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader, TraceMode,
+    DataHeader, LogMode, PluginHeader, PluginKind, RUN_SCHEMA, RulesHeader, RunHeader, RunStore, SuiteHeader,
+    TraceMode,
 };
 use vb_score::{Cause, Conditions, FuelUse, Metrics, Outcome, TaskRecord};
 use vb_world::{Density, Elevation, Terrain};
@@ -28,7 +29,7 @@ pub fn header(name: &str, tasks: u64) -> RunHeader {
             name: name.into(),
             version: "1.0.0".into(),
             sha256: "bb".repeat(32),
-            kind: "wasm".into(),
+            kind: PluginKind::Wasm,
             path: "p.wasm".into(),
             control_period: 0.1,
             eligible_for_ranking: true,

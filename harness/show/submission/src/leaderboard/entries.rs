@@ -50,25 +50,28 @@ pub(super) fn read(dir: &Path) -> Result<Vec<Entry>, SubmissionError> {
 fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     let fail = |problem: String| Err(SubmissionError::Entry { dir: dir.to_owned(), problem });
     let Some(id) = dir.file_name().and_then(|n| n.to_str()).filter(|n| files::is_plain(n)) else {
-        return fail("its name is not of letters, digits, '-', '_' and '.' (rename the folder)".into());
+        return fail(
+            "its name contains characters other than letters, digits, '-', '_' and '.' (rename the folder)"
+                .into(),
+        );
     };
     let path = dir.join(VERDICT);
     if !path.exists() {
-        return fail(format!("{VERDICT} is missing (run vb-harness verify on it first)"));
+        return fail(format!("{VERDICT} is missing (run vb-harness verify first)"));
     }
     let (verification, _): (Verification, _) =
         files::read_json(&path, files::DOCUMENT, VERIFICATION_SCHEMA, |_| Ok(()))?;
     let submission = Submission::open(dir)?;
     if !verification.verified {
         let first = verification.findings.first().map_or_else(String::new, |f| format!(": {f}"));
-        return fail(format!("it did not verify{first} (take it out)"));
+        return fail(format!("its verification failed{first} (remove it)"));
     }
     // A verdict is of one manifest, and that of all other files.
     if verification.submission_sha256 != submission.sha256() {
-        return fail(format!("{VERDICT} is of another submission.json (verify it again)"));
+        return fail(format!("{VERDICT} belongs to another submission.json (verify again)"));
     }
     if let Some(finding) = submission.check_files()?.iter().next() {
-        return fail(format!("changed after it was verified: {finding} (verify it again)"));
+        return fail(format!("changed after its verification: {finding} (verify again)"));
     }
     submission.manifest().entrant.check()?;
     let runs = Runs::read(&[submission.run_dir()])?;
@@ -77,7 +80,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
     let levels =
         by_elevation.iter().filter_map(|(name, f)| Some((*name, f.mean(Measure::Success)?.mean))).collect();
     let used = runs.runs[0].counted().filter_map(|row| row.fuel);
-    let fuel = used.map(|f| f.max_share).reduce(f64::max);
+    let fuel = used.map(|f| f.max_fraction).reduce(f64::max);
     let worlds = runs.worlds.iter().cloned().zip(figures.worlds.iter().copied()).collect();
     let figures = figures.all;
     let holdout = match dir.join(HOLDOUT) {
@@ -89,7 +92,7 @@ fn read_entry(dir: &Path) -> Result<Entry, SubmissionError> {
                 [&scores.plugin_sha256, &scores.vehicle, &scores.perception, &scores.harness_version];
             if own != theirs {
                 let what = "another plugin, vehicle, perception profile or version of the harness";
-                return fail(format!("{HOLDOUT} is of {what} (evaluate this one)"));
+                return fail(format!("{HOLDOUT} belongs to {what} (evaluate this submission)"));
             }
             Some(scores)
         }

@@ -51,7 +51,9 @@ pub(super) fn page(
         for task in replays {
             let _ = write!(s, "<li><a href=\"replays/{0}.html\">{0}</a></li>", escape(task.as_str()));
         }
-        s.push_str("</ul><p class=\"about\">Tasks in three dimensions, driven again by the recorded commands.</p></section>");
+        s.push_str(
+            "</ul><p class=\"about\">Tasks in 3D, re-simulated from the recorded commands.</p></section>",
+        );
     }
     conditions(&mut s, r);
     verification(&mut s, r);
@@ -88,16 +90,16 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
         if r.tied { "=" } else { "" },
         board.entries.len(),
         match (r.tied, board.entries.len()) {
-            (true, _) => "shared: the tasks don't tell these entries apart",
-            (false, 1) => "the only entry so far",
-            (false, _) => "told apart from the others by the tasks",
+            (true, _) => "shared: the differences are not significant",
+            (false, 1) => "the only entry",
+            (false, _) => "significantly different from the others",
         },
     );
     if let Some(h) = &e.holdout {
         let _ = write!(
             s,
-            "<article class=\"card\"><h3>Hold-out</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">of {} tasks that nobody has \
-             seen ({}){}</p></article>",
+            "<article class=\"card\"><h3>Hold-out</h3><p class=\"big\">{}<small> %</small></p><p class=\"sub\">of {} hidden tasks \
+             ({}){}</p></article>",
             number(h.success_percent, 1),
             grouped(h.tasks),
             escape(&one_line(&h.suite, 60)),
@@ -135,7 +137,7 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
     s.push_str("</dl>");
     let causes = Cause::by_frequency(|cause| e.figures.caused(cause));
     if !causes.is_empty() {
-        s.push_str("<h3>What stopped it</h3><dl class=\"figures\">");
+        s.push_str("<h3>Causes of failures</h3><dl class=\"figures\">");
         for (cause, n) in causes {
             let _ = write!(s, "<div><dt>{}</dt><dd>{}</dd></div>", escape(cause.title()), grouped(n));
         }
@@ -148,8 +150,8 @@ fn results(s: &mut String, board: &Board, r: &Ranked) {
 fn worlds(s: &mut String, r: &Ranked, maps: &Maps) {
     let _ = write!(s, "<section id=\"worlds\"><h2>Worlds</h2>{}", strip(&r.entry, 12));
     s.push_str(
-        "<p class=\"about\">A square a world, in the colour of the share of its tasks that were done, from none (brown) to all (green); a \
-         row an elevation level, the lowest first.</p>",
+        "<p class=\"about\">One square per world, coloured by the fraction of solved tasks, from none (brown) to all (green); one \
+         row per elevation level, lowest first.</p>",
     );
     match maps {
         Maps::Made(made) => {
@@ -169,15 +171,15 @@ fn worlds(s: &mut String, r: &Ranked, maps: &Maps) {
                 let _ = write!(s, "<span><i class=\"swatch o{k}\"></i>{}</span>", outcome.name().replace('_', " "));
             }
             s.push_str(
-                "</p><p class=\"about\">A click shows a world's map with the tasks' ways and ends. A dot is where a task ended; a ring at \
-                 the goal is the outcome of a task whose trace the submission doesn't carry.</p>",
+                "</p><p class=\"about\">Click a world for its map with the tasks' trajectories. A dot marks the end of a task; a ring at \
+                 the goal marks the outcome of a task without a trace in the submission.</p>",
             );
         }
         Maps::Hidden => s.push_str(
-            "<p class=\"about\">There are neither maps nor replays: the suite is hidden, and its worlds are its owner's alone.</p>",
+            "<p class=\"about\">Maps and replays are not available, because the suite is hidden.</p>",
         ),
         Maps::Missing => s.push_str(
-            "<p class=\"about\">There are no maps: the worlds of this suite were not at hand when the page was made.</p>",
+            "<p class=\"about\">Maps are not available, because the worlds of this suite were missing when the HTML report was created.</p>",
         ),
     }
     s.push_str("</section>");
@@ -222,17 +224,17 @@ fn verification(s: &mut String, r: &Ranked) {
             "{} of {} tasks{}",
             grouped(sample.tasks.len() as u64),
             grouped(sample.of),
-            sample.seed.map_or_else(String::new, |seed| format!(", drawn by seed {seed}"))
+            sample.seed.map_or_else(String::new, |seed| format!(", sampled with seed {seed}"))
         ),
-        None => "no task".into(),
+        None => "no tasks".into(),
     };
     let _ = write!(
         s,
-        "<section id=\"verification\"><h2>Verification</h2><p>Harness {} drove {driven} again with this plugin and got the same \
-         trajectories, bit for bit. Also checked: {}.</p><p class=\"about\"><a href=\"submission.json\">submission.json</a> \
+        "<section id=\"verification\"><h2>Verification</h2><p>Harness {} re-ran {driven} with this plugin and reproduced the \
+         trajectories bit for bit. Further checks: {}.</p><p class=\"about\"><a href=\"submission.json\">submission.json</a> \
          (SHA-256 <code>{}</code>), <a href=\"verification.json\">verification.json</a></p></section>",
         escape(&one_line(&v.harness_version, 30)),
-        escape(&one_line(&v.checks.join(", "), 200)),
+        v.checks.iter().map(|c| c.name()).collect::<Vec<_>>().join(", "),
         escape(&one_line(&v.submission_sha256, 64)),
     );
 }

@@ -21,18 +21,18 @@ const SQUARE: usize = 6;
 fn about(division: Division) -> &'static str {
     match division {
         Division::Ranked => {
-            "WASM planners under the benchmark's own conditions, verified by driving tasks again."
+            "WASM planners under the benchmark's default conditions, verified by re-running tasks."
         }
         Division::Onboard => {
-            "The same conditions, but with what a vehicle of today perceives: a coarse map without obstacles, a pose that drifts, \
-             sensors with their usual errors."
+            "Default conditions, but with realistic perception: a coarse map without obstacles, a pose that drifts, \
+             sensors with typical errors."
         }
         Division::Degraded => {
-            "The same conditions, but on a bad day for perception: no map beforehand, several times the errors, spells without \
-             satellites and in dust."
+            "Default conditions, but with degraded perception: no prior map, several times the errors, GNSS \
+             outages and dust."
         }
         Division::Open => {
-            "Other conditions or kinds of plugin: each entry says what differs. Figures are verified, ranks say less."
+            "Other conditions or kinds of plugin, listed with each entry. Results are verified, but ranks are less comparable."
         }
     }
 }
@@ -49,7 +49,7 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
     );
     let mut s = String::new();
     if boards.is_empty() {
-        s.push_str("<p>No entry yet.</p>");
+        s.push_str("<p>No entries.</p>");
     } else {
         s.push_str(
             "<form class=\"bar\" id=\"filter\" autocomplete=\"off\" hidden><label>suite <select name=\"suite\"></select></label>\
@@ -61,15 +61,15 @@ pub(super) fn page(title: &str, boards: &[Board]) -> String {
         board(&mut s, b);
     }
     s.push_str(
-        "<section><h2>How to read it</h2><p class=\"about\">Entries are in the order of their success rates; the interval is 95 %, \
-         by the bootstrap over worlds, since tasks of a world are not independent. An entry shares the rank of the best one above \
-         it (marked =) as long as the sign-flip test over worlds, paired by tasks, does not tell them apart: nobody can say which is better. \
-         Where all entries of a board have scores on the owner's hidden suite, order and ties are by those: there an entry shares \
-         the rank as long as the two 95 % intervals overlap. Outcomes of single tasks or worlds would let the test decide, but would give the \
-         hidden suite away; intervals are the stricter of the two, so more entries share a rank there. \
-         A small square is a world, from brown (no task done) to green (all done), with low ground above and high ground below. \
+        "<section><h2>Reading the boards</h2><p class=\"about\">Entries are sorted by success rate; intervals are 95 % \
+         (bootstrap over worlds, because tasks of a world are dependent). An entry shares the rank of the best entry above \
+         it (marked =) if the difference is not significant (sign-flip test over worlds, paired by task). \
+         If all entries of a board have scores on the hidden suite, these determine order and ties: an entry shares \
+         the rank if the two 95 % intervals overlap. The test would need outcomes of single tasks or worlds, which would reveal the \
+         hidden suite; the comparison of intervals is more conservative, so more entries share a rank. \
+         A small square is a world, from brown (no task solved) to green (all solved), with low elevation at the top and high elevation at the bottom. \
          Time is the mean traversal time of successes; angles are means over all samples. Results of other suites, vehicles, rules \
-         or versions of the harness are on boards of their own.</p></section>",
+         or versions of the harness are on separate boards.</p></section>",
     );
     Page {
         title: &title,
@@ -205,7 +205,7 @@ fn details(e: &Entry) -> String {
     }
     let most = Cause::by_frequency(|cause| f.caused(cause));
     let why = most.first().map_or_else(String::new, |(cause, n)| {
-        format!(" (most often {}: {} %)", cause.title(), percent(*n as f64 / f.tasks.max(1) as f64))
+        format!(" (most frequent cause: {}, {} %)", cause.title(), percent(*n as f64 / f.tasks.max(1) as f64))
     });
     parts.push(format!("stuck {} %{why}", share(Outcome::Stuck)));
     let other = f.tasks
@@ -215,13 +215,13 @@ fn details(e: &Entry) -> String {
     }
     if let Some(fuel) = e.fuel {
         parts.push(format!(
-            "a step takes up to {} % of the fuel",
+            "maximum fuel per step {} % of the limit",
             number(100.0 * fuel, if fuel < 0.01 { 3 } else { 1 })
         ));
     }
     let sample = e.verification.sample.as_ref();
     let again = sample.map_or(0.0, |s| s.tasks.len() as f64 / s.of.max(1) as f64);
-    parts.push(format!("{} % driven again", number(100.0 * again, 0)));
+    parts.push(format!("{} % re-run", number(100.0 * again, 0)));
     // A time is told by its day; what is no time is an entrant's own text.
     let day = e.manifest.run.started_at.get(..10).unwrap_or_default();
     if day.bytes().all(|b| b.is_ascii_digit() || b == b'-') && !day.is_empty() {
@@ -256,7 +256,7 @@ pub(super) fn strip(e: &Entry, side: usize) -> String {
         .collect();
     let longest = rows.iter().map(Vec::len).max().unwrap_or(0);
     let mut s = format!(
-        "<svg class=\"strip\" viewBox=\"0 0 {w} {h}\" style=\"width:{w}px\" role=\"img\" aria-label=\"{} of {} worlds with all tasks done\">",
+        "<svg class=\"strip\" viewBox=\"0 0 {w} {h}\" style=\"width:{w}px\" role=\"img\" aria-label=\"{} of {} worlds with all tasks solved\">",
         e.worlds.iter().filter(|(_, (done, all))| done == all).count(),
         e.worlds.len(),
         w = longest * side,
@@ -266,7 +266,7 @@ pub(super) fn strip(e: &Entry, side: usize) -> String {
         for (x, (w, done)) in row.iter().enumerate() {
             let _ = write!(
                 s,
-                "<rect class=\"q{}\" x=\"{}\" y=\"{}\" width=\"{d}\" height=\"{d}\"><title>{}, {} relief, {} ground, {} obstacles: {} of {} \
+                "<rect class=\"q{}\" x=\"{}\" y=\"{}\" width=\"{d}\" height=\"{d}\"><title>{}, {} elevation, {} terrain, {} obstacles: {} of {} \
                  tasks</title></rect>",
                 heat(*done),
                 x * side,
@@ -295,7 +295,7 @@ pub(super) fn whisker(e: Option<Estimate>) -> String {
          <path class=\"base\" d=\"M0 8H200\"/><path class=\"range s0\" d=\"M{} 8H{}\"/><circle class=\"dot f0\" cx=\"{}\" cy=\"8\" \
          r=\"4.5\"/></svg>",
         e.interval.map_or_else(
-            || "no interval: a single world".to_owned(),
+            || "no interval (single world)".to_owned(),
             |i| format!("{} to {} %", number(100.0 * i.low, 1), number(100.0 * i.high, 1))
         ),
         x(low),

@@ -71,10 +71,8 @@ pub(super) fn boards(mut entries: Vec<Entry>) -> Result<Vec<Board>, SubmissionEr
                         == (&b.plugin.sha256, &b.params, &b.limits, b.seed)
                 };
                 if let Some(other) = board.iter().find(same) {
-                    let problem = format!(
-                        "the same plugin under the same conditions as entry {} (take one of them out)",
-                        other.id
-                    );
+                    let problem =
+                        format!("the same plugin and conditions as entry {} (remove one of them)", other.id);
                     return Err(SubmissionError::Entry { dir: entry.dir, problem });
                 }
                 board.push(entry);

@@ -136,7 +136,7 @@ impl<'a> Painter<'a> {
             };
             files::write(&own.join("maps").join(format!("{id}.html")), map.page(&links).as_bytes())?;
             let done = entry.worlds.iter().find(|(w, _)| w.name == *id).map_or((0, 0), |(_, done)| *done);
-            let label = format!("{id}: {} of {} tasks done", done.0, done.1);
+            let label = format!("{id}: {} of {} tasks solved", done.0, done.1);
             let thumbnail = map.thumbnail(&format!("../../{pictures}-small.png"), &label);
             made.push(Made { world: (*id).to_owned(), thumbnail, done });
         }

@@ -143,7 +143,7 @@ fn ties_share_a_rank_and_certain_differences_part() {
     assert!(text.contains("data-v=\"1\">1<small>=</small>"), "{text}");
     // What no column has is below the name: one of four tasks was driven again, and all of the last entry's are stuck.
     for part in [
-        "25 % driven again",
+        "25 % re-run",
         "rollover 0.0 % (tilt above 30° in ",
         "strict success ",
         "stuck 100.0 %",
@@ -187,7 +187,7 @@ fn entries_that_all_have_scores_on_the_hidden_suite_are_ranked_by_them() {
     assert_eq!(entries, expected.map(|(id, rank, tied)| (id.to_owned(), rank, tied)));
     let page = fs::read_to_string(b.path("hold-site-3/index.html")).unwrap();
     assert!(page.contains("ranked by the hidden suite"), "{page}");
-    assert!(page.contains("as long as the two 95 % intervals overlap"));
+    assert!(page.contains("if the two 95 % intervals overlap"));
 }
 
 #[test]
@@ -261,14 +261,14 @@ fn a_page_says_that_the_worlds_were_not_at_hand_also_where_they_are_damaged() {
     accept(b, "without", "one", |m, _| planner(m, "one"));
     build(b, "without", "without-site").unwrap();
     let page = |out: &str| fs::read_to_string(b.path(out).join("entries/one/index.html")).unwrap();
-    assert!(page("without-site").contains("were not at hand"));
+    assert!(page("without-site").contains("were missing when"));
     let suite = crate::common::suite(&b.path("broken"), [0.9, 0.4]);
     for file in fs::read_dir(b.path("broken/worlds/w002")).unwrap() {
         fs::write(file.unwrap().path(), "x").unwrap();
     }
     let mut shelf = Shelf { suite: Some(suite), asked: Vec::new() };
     leaderboard::build(&b.path("without"), &b.path("broken-site"), "A board", &mut shelf).unwrap();
-    assert!(page("broken-site").contains("were not at hand"));
+    assert!(page("broken-site").contains("were missing when"));
     assert!(!b.path("broken-site/entries/one/maps").exists());
 }
 
@@ -346,8 +346,10 @@ fn what_is_not_verified_or_changed_since_is_refused_by_name() {
         fs::write(dir.join(file), text.replace(from, to)).unwrap();
     };
     refused("verification.json is missing", &|d| fs::remove_file(d.join("verification.json")).unwrap());
-    refused("did not verify", &|d| edit(d, "verification.json", "\"verified\":true", "\"verified\":false"));
-    refused("is of another submission.json", &|d| edit(d, "submission.json", "A team", "B team"));
+    refused("its verification failed", &|d| {
+        edit(d, "verification.json", "\"verified\":true", "\"verified\":false")
+    });
+    refused("belongs to another submission.json", &|d| edit(d, "submission.json", "A team", "B team"));
     refused("tasks.jsonl: its SHA-256", &|d| edit(d, "run/tasks.jsonl", "success", "rollover"));
     refused("schema 2", &|d| edit(d, "verification.json", "\"schema\":1", "\"schema\":2"));
     refused("does not belong", &|d| fs::write(d.join("x.txt"), "").unwrap());
@@ -357,7 +359,7 @@ fn what_is_not_verified_or_changed_since_is_refused_by_name() {
     assert!(e.contains("x.txt"), "{e}");
     fs::remove_file(b.path("refused/a/x.txt")).unwrap();
     let e = build(b, "refused", "refused-site").unwrap_err().to_string();
-    assert!(e.contains("refused/b: the same plugin under the same conditions as entry a"), "{e}");
+    assert!(e.contains("refused/b: the same plugin and conditions as entry a"), "{e}");
 }
 
 /// Everything a run knows that scores must not tell.

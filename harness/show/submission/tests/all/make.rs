@@ -31,7 +31,7 @@ fn runs_of_other_versions_are_refused_with_the_version_that_is_needed() {
     b.copy("run", "old");
     b.write_json("old/run.json", &header);
     let e = b.make("old", "old-out").unwrap_err().to_string();
-    assert!(e.contains("made by version 0.0.9 of the harness, this is 0.1.0"), "{e}");
+    assert!(e.contains("created with version 0.0.9 of the harness; this is 0.1.0"), "{e}");
     header["schema"] = 9.into();
     b.write_json("old/run.json", &header);
     let e = b.make("old", "old-out").unwrap_err().to_string();
@@ -43,8 +43,8 @@ fn runs_of_other_versions_are_refused_with_the_version_that_is_needed() {
     manifest["unknown"] = 1.into();
     b.write_json("newer/submission.json", &manifest);
     let e = Submission::open(&b.path("newer")).unwrap_err().to_string();
-    assert!(e.contains("schema 2 is not supported, this version reads up to 1"), "{e}");
-    assert!(Submission::open(&b.path("run")).unwrap_err().to_string().contains("holds no submission"));
+    assert!(e.contains("schema 2 is not supported; this version reads up to 1"), "{e}");
+    assert!(Submission::open(&b.path("run")).unwrap_err().to_string().contains("is not a submission"));
 }
 
 #[test]

@@ -45,8 +45,7 @@ fn a_file_above_its_limit_is_a_finding() {
         put(b, "large", &file, most + 1);
         let verdict = b.verify("large", Some((1, 1))).unwrap();
         let text = told(&verdict);
-        let want =
-            format!("files: {file}: is larger than such a file may be: {} bytes, at most {most}", most + 1);
+        let want = format!("files: {file}: is larger than its limit: {} bytes, at most {most}", most + 1);
         assert!(!verdict.verified && text.contains(&want), "{text}");
         assert!(verdict.sample.is_none(), "nothing is driven for it");
     }
@@ -108,6 +107,6 @@ fn a_manifest_that_is_long_for_nothing_is_refused_before_it_is_built() {
         assert!(text.contains(from), "{text}");
         fs::write(&path, text.replacen(from, &to, 1)).unwrap();
         let e = b.verify("long", Some((1, 1))).unwrap_err().to_string();
-        assert!(e.contains("a manifest, its tasks left out, of bytes beyond 1048576"), "{e}");
+        assert!(e.contains("a manifest without tasks, in bytes, exceeds 1048576"), "{e}");
     }
 }

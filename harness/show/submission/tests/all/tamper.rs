@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use crate::common::{bench, changed, dotted, leaves};
-use vb_submission::{Division, Manifest, SubmissionError, Verification};
+use vb_submission::{Check, Division, Manifest, SubmissionError, Verification};
 
 fn informational(path: &str) -> bool {
     Manifest::INFORMATIONAL.iter().any(|i| path == *i || (i.ends_with('.') && path.starts_with(i)))
@@ -32,7 +32,7 @@ fn an_honest_submission_is_verified_and_ranked() {
     let verdict = b.verify("honest", None).unwrap();
     assert!(verdict.verified, "{verdict:?}");
     assert_eq!(verdict.division, Division::Ranked);
-    assert_eq!(verdict.checks, Verification::CHECKS);
+    assert_eq!(verdict.checks, Check::ALL);
     assert_eq!(verdict.sample.unwrap().tasks, ["w001/t00", "w001/t01", "w002/t00", "w002/t01"]);
     // Nothing of the entrant's machine is in it.
     let text = fs::read_to_string(b.path("honest/submission.json")).unwrap();
@@ -169,20 +169,20 @@ fn missing_added_and_repeated_tasks_are_named() {
     };
     forge(&honest[1..], &format!("{}: is missing", honest[0]["task"].as_str().unwrap()));
     let twice = [&honest[..], &honest[..1]].concat();
-    forge(&twice, &format!("{}: is there twice", honest[0]["task"].as_str().unwrap()));
+    forge(&twice, &format!("{}: is a duplicate", honest[0]["task"].as_str().unwrap()));
     let mut more = honest.clone();
     more.push(honest[0].clone());
     more[4]["task"] = "w003/t00".into();
-    forge(&more, "w003/t00: is no task of the run");
+    forge(&more, "w003/t00: is not a task of the run");
     let mut labels = honest.clone();
     labels[0]["density"] = "dense".into();
-    forge(&labels, "its world or labels are not those of the suite");
+    forge(&labels, "its world or labels differ from those of the suite");
     let mut failed = honest.clone();
     failed[0]["outcome"] = "host_error".into();
-    forge(&failed, "failed by the machine");
+    forge(&failed, "failed because of the machine");
     let mut odd = honest;
     odd[0]["unknown"] = 1.into();
-    forge(&odd, "is not written as `submit` writes it");
+    forge(&odd, "differs from the format of `submit`");
 }
 
 #[test]
@@ -242,11 +242,17 @@ fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let file = crate::common::repository("tests/golden/abi-1.0/pursuit-c.wasm");
     let other = |limits: &vb_host::Limits| vb_host::Plugin::load(&file, limits, None);
     let text = told(&b.verify_with("honest", None, &other, |_| {}));
-    assert!(text.contains("the plugin's file was changed"), "{text}");
+    assert!(text.contains("the plugin file changed"), "{text}");
     let vehicle = vb_vehicle::Vehicle { hash: "00".repeat(32), ..b.vehicle.clone() };
     let text = told(&b.verify_with("honest", None, &unloaded, |e| e.vehicle = Box::leak(Box::new(vehicle))));
     assert!(text.starts_with("vehicle: submission.json: run.vehicle.hash"), "{text}");
-    // A run with more fuel is open, and one that hides it is found by the shares that its records tell.
+    let own: &'static _ = Box::leak(Box::new(vb_sense::Profile::built_in("onboard").unwrap()));
+    let verdict = b.verify_with("honest", None, &unloaded, |e| e.perception = own);
+    let text = told(&verdict);
+    assert!(text.starts_with("perception: submission.json: run.perception.hash"), "{text}");
+    let verdict = verdict.unwrap();
+    assert!(verdict.findings.iter().all(|f| verdict.checks.contains(&f.check)), "{verdict:?}");
+    // A run with more fuel is open, and one that hides it is found by the fractions in its records.
     let mut header = b.json("run/run.json");
     header["limits"]["fuel_per_step"] = 4_000_000_000u64.into();
     b.copy("run", "limits-run");
@@ -254,7 +260,7 @@ fn another_suite_plugin_vehicle_or_other_limits_are_named() {
     let manifest = b.make("limits-run", "limits").unwrap();
     assert_eq!(manifest.open_because[0].field, "limits.fuel_per_step");
     let text = told(&b.verify("limits", None));
-    assert!(text.contains("fuel.max_share"), "{text}");
+    assert!(text.contains("fuel.max_fraction"), "{text}");
 }
 
 #[test]
@@ -277,7 +283,7 @@ fn files_that_are_changed_added_left_out_or_linked_are_named() {
         std::os::unix::fs::symlink("/etc/passwd", d.join("report.html")).unwrap();
     });
     // A report and a trace with their hashes stated anew.
-    for (file, words) in [("report.html", "is not the page"), (trace, "driven again")] {
+    for (file, words) in [("report.html", "differs from the report"), (trace, "differs from the re-run")] {
         b.copy("honest", "odd-files");
         let path = b.path("odd-files").join(file);
         let mut bytes = fs::read(&path).unwrap();

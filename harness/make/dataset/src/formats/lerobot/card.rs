@@ -21,17 +21,17 @@ fn about(header: &Header) -> String {
     match header.kind {
         Kind::Explore => {
             let rules = header.exploration.as_ref().map(|e| e.description.as_str()).unwrap_or_default();
-            format!("Random exploration of rough ground. {rules}")
+            format!("Random exploration of rough terrain. {rules}")
         }
         Kind::Drive => {
             let names: Vec<String> =
                 header.planners.iter().map(|p| format!("{} {}", p.name, p.version)).collect();
-            format!("Navigation tasks on rough ground, driven by {}.", names.join(", "))
+            format!("Navigation tasks on rough terrain, driven by {}.", names.join(", "))
         }
-        Kind::Teleop => "Navigation tasks on rough ground, driven by a person.".to_owned(),
-        Kind::Failures => "The last seconds before rollovers and stuck ends of a vehicle.".to_owned(),
-        Kind::Merged => "Several merged datasets of driving on rough ground.".to_owned(),
-        Kind::Split => "Part of a dataset of driving on rough ground.".to_owned(),
+        Kind::Teleop => "Navigation tasks on rough terrain, driven by a person.".to_owned(),
+        Kind::Failures => "The last seconds before rollovers and immobilisations of a vehicle.".to_owned(),
+        Kind::Merged => "Several merged datasets of driving on rough terrain.".to_owned(),
+        Kind::Split => "Part of a dataset of driving on rough terrain.".to_owned(),
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn card(header: &Header, features: &[Feature], whole: &Whole) -> Stri
          | vehicle | {} (`{}`) |\n| perception | {} (`{}`) |\n| rules | {} (`{}`) |\n| soils | {} (`{}`) |\n\
          | worlds | {} (`{}`), scale {scale}, in the folder `suite` |\n\
          | seed | {seed} |\n| licence | {licence} |\n| created by | vb-harness {harness_version}, commit {harness_commit} |\n\n\
-         The numbers in brackets are SHA-256. {}\n\n\
+         The values in brackets are SHA-256 hashes. {}\n\n\
          {}\n\n\
          ## Columns\n\n\
          The layout is LeRobot's, version 3.0. Units are SI and angles radians; the world's axes are x east, y north, z up, the\n\

@@ -126,7 +126,7 @@ pub(crate) fn read_data(path: &Path, features: &[Feature]) -> Result<Batch, Data
             let array = rows.column_by_name(name).ok_or_else(|| damaged(format!("no column {name}")))?;
             let values = flat(array.clone(), dtype);
             values.filter(|v| v.len() == rows.num_rows() * width).ok_or_else(|| {
-                damaged(format!("column {name} is not of {} with {width} values a frame", dtype.name()))
+                damaged(format!("column {name} is not {} with {width} values per frame", dtype.name()))
             })
         };
         for (feature, to) in features.iter().zip(&mut batch.columns) {
@@ -139,7 +139,7 @@ pub(crate) fn read_data(path: &Path, features: &[Feature]) -> Result<Batch, Data
             match column(name, dtype, 1)? {
                 Values::F32(v) => timestamp.extend(v),
                 Values::I64(v) => whole.next().into_iter().for_each(|to| to.extend(&v)),
-                _ => return Err(damaged(format!("column {name} is of another type"))),
+                _ => return Err(damaged(format!("column {name} has another type"))),
             }
         }
     }

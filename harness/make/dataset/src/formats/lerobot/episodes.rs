@@ -30,9 +30,9 @@ const TEXT: usize = 4096;
 
 /// Our own fields of an episode, as a flat table: text, numbers, or lists of numbers.
 fn own(info: &EpisodeInfo) -> Map<String, Value> {
-    match serde_json::to_value(info) {
-        Ok(Value::Object(map)) => map,
-        _ => Map::new(),
+    match serde_json::to_value(info).expect("an episode has text keys and can be written as JSON") {
+        Value::Object(map) => map,
+        other => unreachable!("an episode is an object as JSON, not {other}"),
     }
 }
 
@@ -131,12 +131,13 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
         let column = |name: &str| {
             table.column_by_name(name).cloned().ok_or_else(|| damaged(format!("no column {name}")))
         };
-        let wrong = |name: &str| damaged(format!("column {name} is of another kind"));
+        let wrong = |name: &str| damaged(format!("column {name} has another type"));
         let number = |name: &str, row: usize| -> Result<usize, DatasetError> {
             let array = column(name)?;
             let values = array.as_primitive_opt::<Int64Type>().ok_or_else(|| wrong(name))?;
             let value = values.value(row);
-            usize::try_from(value).map_err(|_| damaged(format!("{name}: {value} in row {row} is no count")))
+            usize::try_from(value)
+                .map_err(|_| damaged(format!("{name}: {value} in row {row} is not a count")))
         };
         let list = |name: &str, row: usize| -> Result<Vec<f64>, DatasetError> {
             let array = column(name)?;
@@ -161,7 +162,7 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
                         if text.len() > TEXT {
                             let length = text.len();
                             return Err(damaged(format!(
-                                "column {name} has a text of {length} bytes, at most {TEXT} are read"
+                                "column {name} has a text of {length} bytes; at most {TEXT} are allowed"
                             )));
                         }
                         Value::from(text)
@@ -190,7 +191,7 @@ pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Row>, DatasetError> {
             if place.to.checked_sub(place.from) != Some(length) {
                 let index = number("episode_index", row)?;
                 return Err(damaged(format!(
-                    "episode {index}: length: {length} is not that of frames {} to {}",
+                    "episode {index}: length: {length} does not match frames {} to {}",
                     place.from, place.to
                 )));
             }

@@ -95,11 +95,8 @@ impl Files for LeRobot {
         features: &[Feature],
         whole: &Whole,
     ) -> Result<Vec<Vec<u8>>, DatasetError> {
-        let stats: serde_json::Map<_, _> = whole
-            .stats
-            .iter()
-            .filter_map(|(name, s)| Some((name.clone(), serde_json::to_value(s).ok()?)))
-            .collect();
+        let value = |s| serde_json::to_value(s).expect("statistics are lists of numbers");
+        let stats: serde_json::Map<_, _> = whole.stats.iter().map(|(n, s)| (n.clone(), value(s))).collect();
         Ok(vec![
             json(&info::info(header, features, whole))?,
             json(&stats)?,
@@ -115,7 +112,7 @@ impl Files for LeRobot {
         [("total_frames", frames), ("total_episodes", episodes)]
             .into_iter()
             .filter(|(name, is)| total(name) != Some(*is as u64))
-            .map(|(name, is)| format!("{INFO}: {name} is not {is}, which the episodes sum to"))
+            .map(|(name, is)| format!("{INFO}: {name} is not {is}, the sum over the episodes"))
             .collect()
     }
 

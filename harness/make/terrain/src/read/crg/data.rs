@@ -34,12 +34,12 @@ fn binary(bytes: &[u8], size: usize, columns: usize, rows: Option<usize>) -> Res
         return Ok(values);
     };
     if there < wanted {
-        return Err(Flaw::Truncated(format!("{there} rows of data, but its header announces {wanted}")));
+        return Err(Flaw::Truncated(format!("{there} rows of data, but its header declares {wanted}")));
     }
     let left = values.len() - wanted * columns;
     if left >= RECORD / size {
         return Err(Flaw::Damaged(format!(
-            "{left} numbers follow the {wanted} rows of {columns} that its header announces"
+            "{left} numbers follow the {wanted} rows of {columns} that its header declares"
         )));
     }
     values.truncate(wanted * columns);
@@ -76,13 +76,13 @@ fn text(header: &Header, bytes: &[u8], width: usize, rows: Option<usize>) -> Res
                 f64::NAN
             } else {
                 number(&field.replace(['D', 'd'], "E")).ok_or_else(|| {
-                    flaw(line, format!("{field:?} is no number: each takes {width} characters"))
+                    flaw(line, format!("{field:?} is not a number: each takes {width} characters"))
                 })?
             });
         }
         let rest = bytes.get(here * width..).unwrap_or_default();
         if rest.iter().any(|b| !b.is_ascii_whitespace()) {
-            return Err(flaw(line, format!("has more than the {here} numbers that belong there")));
+            return Err(flaw(line, format!("has more than {here} numbers")));
         }
     }
     let there = values.len() / columns;
@@ -94,10 +94,10 @@ fn text(header: &Header, bytes: &[u8], width: usize, rows: Option<usize>) -> Res
     }
     match rows {
         Some(wanted) if there < wanted => {
-            Err(Flaw::Truncated(format!("{there} rows of data, but its header announces {wanted}")))
+            Err(Flaw::Truncated(format!("{there} rows of data, but its header declares {wanted}")))
         }
         Some(wanted) if there > wanted => {
-            Err(Flaw::Damaged(format!("{there} rows of data, but its header announces {wanted}")))
+            Err(Flaw::Damaged(format!("{there} rows of data, but its header declares {wanted}")))
         }
         _ => Ok(values),
     }

@@ -82,7 +82,7 @@ impl Header {
         loop {
             let rest = &bytes[header.bytes..];
             let Some(end) = rest.iter().position(|b| *b == b'\n') else {
-                return Err(Flaw::Truncated("its header has no end, a line that begins with $$".to_owned()));
+                return Err(Flaw::Truncated("its header has no end (a line that begins with $$)".to_owned()));
             };
             let text = String::from_utf8_lossy(&rest[..end]);
             header.bytes += end + 1;
@@ -120,10 +120,10 @@ impl Header {
         }
         let known = [ROAD, OPTIONS, MODIFIERS, CHANNELS].contains(&section) || IGNORED.contains(&section);
         if !known && section.chars().any(|c| c.is_ascii_alphabetic()) {
-            return Err(flaw(line, format!("the section ${section} is not known: remove it")));
+            return Err(flaw(line, format!("unknown section ${section}: remove it")));
         }
         if known && seen.iter().any(|name| name == section) {
-            return Err(flaw(line, format!("the section ${section} is there twice: remove one")));
+            return Err(flaw(line, format!("duplicate section ${section}: remove one")));
         }
         if section == MODIFIERS {
             self.modifiers = Some(Values::new());
@@ -144,12 +144,13 @@ impl Header {
         };
         let (name, value) = text
             .split_once('=')
-            .ok_or_else(|| flaw(line, format!("{text:?} is no NAME = NUMBER, as ${section} has them")))?;
+            .ok_or_else(|| flaw(line, format!("{text:?} is not NAME = NUMBER, as required in ${section}")))?;
         let name = name.trim().to_ascii_uppercase();
         let number = number(&value.trim().replace(['D', 'd'], "E")).filter(|v| v.is_finite());
-        let value = number.ok_or_else(|| flaw(line, format!("{name}: {:?} is no number", value.trim())))?;
+        let value =
+            number.ok_or_else(|| flaw(line, format!("{name}: {:?} is not a number", value.trim())))?;
         if values.insert(name.clone(), Value { value, line }).is_some() {
-            return Err(flaw(line, format!("{name} is there twice: remove one")));
+            return Err(flaw(line, format!("duplicate {name}: remove one")));
         }
         Ok(())
     }
@@ -159,7 +160,7 @@ impl Header {
         let line = self.lines;
         let (kind, rest) = text
             .split_once(':')
-            .ok_or_else(|| flaw(line, format!("{text:?} is no definition, such as D:long section 1,m")))?;
+            .ok_or_else(|| flaw(line, format!("{text:?} is not a definition, e.g. D:long section 1,m")))?;
         match kind.trim().to_ascii_uppercase().as_str() {
             // Virtual channels are computed from others.
             "U" => Ok(()),
@@ -170,8 +171,9 @@ impl Header {
                     "KRBI" => Numbers::Binary(4),
                     "KDBI" => Numbers::Binary(8),
                     other => {
-                        let problem =
-                            format!("the data format {other} is not read: write LRFI, LDFI, KRBI or KDBI");
+                        let problem = format!(
+                            "the data format {other} is not supported: write LRFI, LDFI, KRBI or KDBI"
+                        );
                         return Err(flaw(line, problem));
                     }
                 };
@@ -188,7 +190,7 @@ impl Header {
                 self.channels.push((channel, line));
                 Ok(())
             }
-            other => Err(flaw(line, format!("{other:?} is no kind of definition: D, U or #"))),
+            other => Err(flaw(line, format!("{other:?} is not a kind of definition (D, U or #)"))),
         }
     }
 }
@@ -216,7 +218,7 @@ fn channel(text: &str) -> Result<Channel, String> {
     }
     let unknown = || {
         format!(
-            "{name:?} is no channel that is read: reference line phi, banking or slope, long section N, or long section at v = V"
+            "{name:?} is not a supported channel: reference line phi, banking or slope, long section N, or long section at v = V"
         )
     };
     let section = name.strip_prefix("long section").ok_or_else(unknown)?.trim();

@@ -84,7 +84,7 @@ pub(super) fn found(path: &Path) -> Result<Found, Flaw> {
     }
     if side > finest {
         notes.push(format!(
-            "heights are {side} m apart and not {finest} m, as in the file: the extents are too large for more"
+            "the height spacing is {side} m instead of {finest} m in the file, because of the extents"
         ));
     }
     let [cols, rows] = samples(side).map(|n| n as usize);
@@ -187,7 +187,7 @@ fn parse(bytes: &[u8]) -> Result<CourseFile, Flaw> {
         })?;
     }
     if let Some(z) = grid.iter().chain(&base).find(|z| z.is_nan() || z.abs() > FARTHEST) {
-        return Err(Flaw::Damaged(format!("a height of {z} m is none")));
+        return Err(Flaw::Damaged(format!("a height of {z} m is invalid")));
     }
     if filled > 0 {
         notes.push(format!("{filled} heights at the borders are missing and filled in"));
@@ -212,7 +212,7 @@ fn number(values: &Values, name: &str) -> Result<Option<f64>, Flaw> {
 fn length(values: &Values, name: &str) -> Result<Option<f64>, Flaw> {
     match values.get(name) {
         Some(Value { value, line }) if value.abs() > FARTHEST => {
-            Err(flaw(*line, format!("{name} is {value}: no more than {FARTHEST} m are read")))
+            Err(flaw(*line, format!("{name} is {value}: at most {FARTHEST} m are allowed")))
         }
         found => Ok(found.map(|v| v.value)),
     }
@@ -237,7 +237,7 @@ fn rows(road: &Values, length: f64, increment: f64) -> Result<usize, Flaw> {
         return Err(flaw(
             line,
             format!(
-                "REFERENCE_LINE_END_U lies {length} m behind the start, which is no multiple of the increment, {increment} m"
+                "REFERENCE_LINE_END_U is {length} m after the start, which is not a multiple of the increment, {increment} m"
             ),
         ));
     }
@@ -258,13 +258,13 @@ fn sections(header: &Header) -> Result<Vec<f64>, Flaw> {
         .collect();
     for (k, (channel, line)) in header.channels.iter().enumerate() {
         if header.channels[..k].iter().any(|(before, _)| before == channel) {
-            return Err(flaw(*line, "this channel is there twice: remove one"));
+            return Err(flaw(*line, "duplicate channel: remove one"));
         }
     }
     if found.len() < 2 {
         return Err(flaw(
             header.lines,
-            format!("{} longitudinal sections are defined: at least 2 make a surface", found.len()),
+            format!("{} longitudinal sections are defined: a surface needs at least 2", found.len()),
         ));
     }
     let count = found.len();
@@ -313,7 +313,7 @@ fn sections(header: &Header) -> Result<Vec<f64>, Flaw> {
     if !(increment > 1e-6 && increment <= FARTHEST) {
         return Err(flaw(
             line,
-            format!("the longitudinal sections are {increment} m apart: must be above 0"),
+            format!("the spacing of longitudinal sections is {increment} m: must be above 0"),
         ));
     }
     // Without a border the sections lie about the reference line.
@@ -328,7 +328,7 @@ fn sections(header: &Header) -> Result<Vec<f64>, Flaw> {
         return Err(flaw(
             line,
             format!(
-                "{count} sections {increment} m apart end at v = {} and not at LONG_SECTION_V_LEFT, {left}",
+                "{count} sections with a spacing of {increment} m end at v = {} and not at LONG_SECTION_V_LEFT, {left}",
                 first + steps * increment
             ),
         ));
@@ -385,7 +385,7 @@ impl Line<'_> {
         }
         match from {
             Some(Value { value, line }) if value.abs() > STEEPEST => {
-                Err(flaw(*line, format!("{start} is {value}: no more than {STEEPEST} are read")))
+                Err(flaw(*line, format!("{start} is {value}: at most {STEEPEST} is allowed")))
             }
             found => Ok(found.map(|v| v.value)),
         }
@@ -406,7 +406,7 @@ impl Line<'_> {
                 if (stated - between).abs() * length > AGREEMENT * (1.0 + length) =>
             {
                 let problem = format!(
-                    "REFERENCE_LINE_END_Z is {}, but a slope of {stated} leads elsewhere: correct one of them",
+                    "REFERENCE_LINE_END_Z is {}, which contradicts the slope of {stated}: correct one of them",
                     end.value
                 );
                 Err(flaw(end.line, problem))
@@ -424,7 +424,7 @@ impl Line<'_> {
         let off = vb_math::hypot(end[0] - x, end[1] - y);
         if off > AGREEMENT * course.length().max(1.0) {
             notes.push(format!(
-                "the headings lead to ({:.3}, {:.3}) m and not to the end of the reference line that the file states, ({x}, {y}) m",
+                "the headings lead to ({:.3}, {:.3}) m instead of the end of the reference line in the file, ({x}, {y}) m",
                 end[0], end[1]
             ));
         }
@@ -460,13 +460,13 @@ impl Modifiers {
                 "SCALE_LENGTH" | "SCALE_WIDTH" | "SCALE_CURVATURE" => {}
                 "GRID_NAN_MODE" if *value == 1.0 => own.level = true,
                 "GRID_NAN_MODE" if *value == 0.0 || *value == 2.0 => {}
-                "GRID_NAN_MODE" => return refused("0, 1 or 2 is"),
+                "GRID_NAN_MODE" => return refused("use 0, 1 or 2"),
                 "GRID_NAN_OFFSET" => own.offset = *value,
                 "REFLINE_OFFSET_Z" => {}
                 moves if MOVES.contains(&moves) => {
                     notes.push(format!("{moves} moves the course as a whole and is not applied"));
                 }
-                _ => return refused("it is no modifier of OpenCRG 1.2"),
+                _ => return refused("it is not a modifier of OpenCRG 1.2"),
             }
         }
         Ok(own)
@@ -479,7 +479,7 @@ impl Modifiers {
             return Err("has no height at all".to_owned());
         };
         if row[first..=last].iter().any(|z| z.is_nan()) {
-            return Err("lacks a height between others, and only borders are filled".to_owned());
+            return Err("lacks a height within the course; only borders are filled".to_owned());
         }
         let of = |z: f64| self.offset + if self.level { 0.0 } else { z };
         let (right, left) = (of(row[first]), of(row[last]));
@@ -503,19 +503,19 @@ fn options(values: &Values, length: f64, notes: &mut Vec<String>) -> Result<[f64
             }
             "BORDER_MODE_U" | "BORDER_MODE_V" if *value == 2.0 => {}
             "BORDER_MODE_U" | "BORDER_MODE_V" if *value == 0.0 => {
-                notes.push(format!("{name} = 0: ground beyond the borders goes on level all the same"));
+                notes.push(format!("{name} = 0: terrain outside the borders is level nevertheless"));
             }
             "BORDER_MODE_U" | "BORDER_MODE_V" => {
-                return refused("0 and 2 are; ground beyond the borders goes on level");
+                return refused("use 0 or 2; terrain outside the borders is level");
             }
             "BORDER_OFFSET_U" | "BORDER_OFFSET_V" if *value == 0.0 => {}
             "BORDER_OFFSET_U" | "BORDER_OFFSET_V" => {
-                return refused("0 is; ground beyond the borders goes on level");
+                return refused("use 0; terrain outside the borders is level");
             }
             "REFLINE_CONTINUATION" if *value == 0.0 => {}
-            "REFLINE_CONTINUATION" => return refused("0 is; a closed track is read as an open one"),
+            "REFLINE_CONTINUATION" => return refused("use 0; a closed track is read as an open one"),
             other if other.starts_with("WARN_") || other.starts_with("CHECK_") => {}
-            _ => return refused("it is no option of OpenCRG 1.2"),
+            _ => return refused("it is not an option of OpenCRG 1.2"),
         }
     }
     Ok(fade)

@@ -80,7 +80,7 @@ impl Layout {
             (3, Kind::Float) => {}
             _ => {
                 return Err(Flaw::Unsupported(format!(
-                    "predictor {predictor} of samples of {bits} bits can't be undone: {CONVERT}"
+                    "predictor {predictor} of samples of {bits} bits is not supported: {CONVERT}"
                 )));
             }
         }
@@ -402,11 +402,11 @@ fn packed_as(compression: u64) -> Result<(), Flaw> {
         50002 | 52546 => "JPEG XL",
         other => {
             return Err(Flaw::Unsupported(format!(
-                "samples are packed by the unknown method {other}: {CONVERT}"
+                "samples are compressed with the unknown method {other}: {CONVERT}"
             )));
         }
     };
-    Err(Flaw::Unsupported(format!("samples are packed by {name}, which is not read: {CONVERT}")))
+    Err(Flaw::Unsupported(format!("samples are compressed with {name}, which is not supported: {CONVERT}")))
 }
 
 fn unusual(what: &str) -> Flaw {

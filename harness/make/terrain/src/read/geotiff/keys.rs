@@ -102,14 +102,14 @@ impl Keys {
         };
         if projected && known.is_none() {
             let mercator = if self.short(PROJECTION_METHOD) == Some(7) {
-                "; it is one of Mercator's, whose metres are too long away from its standard parallel"
+                "; it is a Mercator projection, whose metres are too long away from its standard parallel"
             } else {
                 ""
             };
             let metres = if unit.is_none() { ", metres are assumed" } else { "" };
             notes.push(format!(
-                "its projection ({name}) is not known to this program{metres}: distances are taken at its word{mercator}; another system can be \
-                 given with --crs"
+                "its projection ({name}) is unknown{metres}: its distances are used unchanged{mercator}; give another system \
+                 with --crs"
             ));
         }
         Ok(Some(match known {
@@ -169,7 +169,7 @@ impl Keys {
         let vertical = system.and_then(Vertical::epsg);
         if vertical == Some(Vertical::Depth) {
             return Err(Flaw::Coordinates(format!(
-                "its vertical system (EPSG:{}) counts depths, which grow downwards: turn them into heights (gdal_calc.py --calc=-A)",
+                "its vertical system (EPSG:{}) measures depths (positive down): convert them to heights (gdal_calc.py --calc=-A)",
                 system.unwrap_or_default()
             )));
         }
@@ -199,7 +199,7 @@ pub(super) fn lay(
     let lay = match (scale.as_deref(), matrix.as_deref()) {
         (Some([x, y, ..]), _) => {
             if !(x.is_finite() && y.is_finite() && *x > 0.0 && *y > 0.0) {
-                return bad(format!("pixels of {x} x {y} are no size: restore the file"));
+                return bad(format!("the pixel size {x} x {y} is invalid: restore the file"));
             }
             let origin = match ties.as_slice() {
                 [col, row, _, east, north, ..] => Some([east + (shift - col) * x, north - (shift - row) * y]),
@@ -223,7 +223,7 @@ pub(super) fn lay(
         }
     };
     if lay.origin.is_some_and(|o| !o.iter().all(|v| v.is_finite())) {
-        return bad("its place is no number: restore the file".into());
+        return bad("its position is not a number: restore the file".into());
     }
     Ok(Some(lay))
 }
@@ -245,7 +245,7 @@ impl BandMetadata {
             return Ok(found);
         }
         let damaged = |what: String| Flaw::Damaged(format!("GDAL's metadata (tag 42112) {what}"));
-        let document = roxmltree::Document::parse(xml).map_err(|e| damaged(format!("is no XML ({e})")))?;
+        let document = roxmltree::Document::parse(xml).map_err(|e| damaged(format!("is not XML ({e})")))?;
         for item in document.descendants().filter(|n| n.has_tag_name("Item")) {
             if item.attribute("sample").is_some_and(|s| s.trim() != "0") {
                 continue;
@@ -254,7 +254,7 @@ impl BandMetadata {
                 (item.attribute("role").unwrap_or_default(), item.text().unwrap_or_default().trim());
             let number = || {
                 let number = decimal(text).filter(|v| v.is_finite());
-                number.ok_or_else(|| damaged(format!("has {role} {text:?}, which is no number")))
+                number.ok_or_else(|| damaged(format!("has {role} {text:?}, which is not a number")))
             };
             match role {
                 "scale" => found.scale = number()?,

@@ -118,12 +118,12 @@ pub(super) fn read(path: &Path, options: &Options) -> Result<Found, Flaw> {
     };
     if let Some(band) = alpha {
         hide(layout.band(&mut tiff, band, &mut Vec::new())?);
-        notes.push("places that its alpha band makes invisible are holes".into());
+        notes.push("samples masked by its alpha band are holes".into());
     }
     let size = (image.rows, image.cols);
     if let Some(page) = pages.iter().find(|p| p.mask && !p.reduced && (p.rows, p.cols) == size) {
         hide(Layout::read(&mut tiff, page)?.band(&mut tiff, 0, &mut Vec::new())?);
-        notes.push("places outside its mask are holes".into());
+        notes.push("samples outside its mask are holes".into());
     }
     if !no_data.is_empty() && no_data.iter().all(|hole| *hole) {
         return Err(Flaw::NoHeights);
@@ -197,7 +197,7 @@ fn chosen<'a>(pages: &'a [Image], notes: &mut Vec<String>) -> Result<&'a Image, 
             best.rows
         ));
     } else if best.reduced {
-        notes.push(format!("it has nothing but an overview of {} x {} samples", best.cols, best.rows));
+        notes.push(format!("it contains only an overview of {} x {} samples", best.cols, best.rows));
     } else if number(best) > 1 {
         notes.push(format!("page {} of {} is the one at full resolution", number(best), pages.len()));
     }
@@ -214,7 +214,7 @@ fn alpha(tiff: &mut Source, image: &Image) -> Result<Option<usize>, Flaw> {
         return Ok(Some(1));
     }
     Err(Flaw::Rank(format!(
-        "{} bands: pick the one of heights with gdal_translate -b 1 IN OUT.tif",
+        "{} bands: select the height band with gdal_translate -b 1 IN OUT.tif",
         image.bands
     )))
 }
