@@ -87,6 +87,7 @@ fn seconds(text: &str) -> Option<f64> {
 }
 
 /// How times are written, for messages.
+#[cfg(any(feature = "replay", feature = "ros", feature = "vehicle"))]
 const TIMES: &str = "in seconds or with a unit, e.g. 8, 0.5s, 5ms, 2min or 10h";
 
 /// A moment: a time that isn't below 0, s.
@@ -96,6 +97,7 @@ pub(super) fn moment(text: &str) -> Result<f64, String> {
 }
 
 /// A duration: a time above 0, s.
+#[cfg(any(feature = "dataset", feature = "ros", feature = "vehicle"))]
 pub(super) fn duration(text: &str) -> Result<f64, String> {
     seconds(text).filter(|v| *v > 0.0).ok_or_else(|| format!("want a time above 0, {TIMES}"))
 }
