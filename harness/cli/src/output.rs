@@ -309,7 +309,7 @@ mod tests {
         write(&path, "one").unwrap();
         let e = must_not_replace(&path, kept).unwrap_err();
         assert_eq!(e.code(), crate::error::OUTPUT);
-        assert!(e.to_string().contains("a.csv is there already") && e.to_string().contains("--force"), "{e}");
+        assert!(e.to_string().contains("a.csv already exists") && e.to_string().contains("--force"), "{e}");
         must_not_replace(&path, forced).unwrap();
         #[cfg(unix)]
         must_not_replace(Path::new("/dev/null"), kept).unwrap();

@@ -606,7 +606,7 @@ fn a_report_is_not_written_over_the_run_that_it_is_of() {
     assert_eq!(bench.files("r"), before);
     bench.ok(&["report", "r", "--csv", "r/table.csv", "--out", "r"]);
     for option in ["--csv", "--parquet", "--markdown"] {
-        let says = ["r/table.csv is there already", "--force"];
+        let says = ["r/table.csv already exists", "--force"];
         refused(&bench, &["report", "r", option, "r/table.csv"], OUTPUT, &says);
     }
     bench.ok(&["report", "r", "--csv", "r/table.csv", "--force"]);

@@ -46,7 +46,7 @@ fn runs_are_filmed_beside_each_other_with_the_same_bytes_each_time() {
     assert!(first == film("2.gif"), "the same runs give the same bytes");
     let again = ["replay", "a", "--task", "w007/t02", "--video", "1.gif"];
     let told = bench.run(&again).error(4);
-    assert!(told.contains("1.gif is there already") && told.contains("--force"), "{told}");
+    assert!(told.contains("1.gif already exists") && told.contains("--force"), "{told}");
     assert_eq!(&first[..6], b"GIF89a");
     assert_eq!(first[6..10], [240, 0, 120, 0], "columns and rows");
     // A loop without an end, and all of it in one file.

@@ -136,7 +136,7 @@ fn recorded_commands_of_a_run_drive_it_again_and_can_be_submitted() {
     drop(drive(text(&pid), &["--out", "run", "--perception", "onboard"]).ok());
     mini.ok(&["commands", "run", "--out", "pid.commands"]);
     let told = mini.run(&["commands", "run", "--out", "pid.commands"]).error(4);
-    assert!(told.contains("pid.commands is there already") && told.contains("--force"), "{told}");
+    assert!(told.contains("pid.commands already exists") && told.contains("--force"), "{told}");
     mini.ok(&["commands", "run", "--out", "pid.commands", "--force"]);
     let told = mini.ok(&["inspect", "pid.commands"]);
     assert!(told.contains("recorded commands of a planner of kind wasm"), "{told}");
@@ -290,7 +290,7 @@ fn an_evaluation_on_a_hidden_suite_tells_scores_and_nothing_else() {
     assert_eq!((&scores["suite"], &scores["tasks"]), (&"holdout".into(), &10.into()));
     let again = ["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault", "--out", "scores.json"];
     let told = mini.run(&again).error(4);
-    assert!(told.contains("scores.json is there already") && told.contains("--force"), "{told}");
+    assert!(told.contains("scores.json already exists") && told.contains("--force"), "{told}");
     // Nothing is driven for scores that have no place.
     let nowhere = ["evaluate", "--plugin", text(&pid), "--suite", "cellar/vault", "--out", "no/where.json"];
     let told = mini.run(&nowhere).error(4);

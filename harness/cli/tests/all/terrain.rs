@@ -34,7 +34,7 @@ fn a_surface_is_drawn_to_a_file_with_a_picture_and_measured() {
     for out in [&["--out", "a.npy"][..], &["--out", "e.npy", "--preview", "a.png"]] {
         let args = [&["terrain", "generate", "--seed", "5", "--size", "40x30"], out].concat();
         let (code, text) = failure(&dir, &args);
-        assert!(code == Some(4) && text.contains("is there already") && text.contains("--force"), "{text}");
+        assert!(code == Some(4) && text.contains("already exists") && text.contains("--force"), "{text}");
     }
     assert_eq!(first, draw("a.npy", &["--force"]));
     let measured = harness(&dir, &["terrain", "measure", "a.npy", "c.npy"]);
