@@ -10,7 +10,7 @@ from wit_world.imports.types import LogLevel
 def reported(function):
     """Turns an exception other than `Err` into a panic with its text and location.
 
-    Without this the panic would be told with the place in the runtime that found the exception.
+    Without this the panic would report a location in the runtime instead of that of the exception.
     """
 
     @wraps(function)

@@ -222,7 +222,7 @@ def main():
         assert all(r.success and r.message.startswith("t = ") for r in replied), replied
         if now is None or now == answered or odometry is None or odometry.header.stamp != now:
             continue
-        # The topics of a tick arrive in any order, and so does the path of the next task.
+        # The topics of a tick and the path of the next task are received in any order.
         if pursuit is None or not pursuit.is_for(now):
             continue
         # The clock has gone back: another run begins, and its path is still to come.

@@ -62,8 +62,8 @@ fn fail(fault: &str) -> Result<Command, PlannerError> {
     let mut command = Command { brake: 1.0, ..Command::default() };
     match fault {
         "none" => {}
-        "error" => return Err("told to give up".into()),
-        "panic" => panic!("told to panic"),
+        "error" => return Err("instructed to give up".into()),
+        "panic" => panic!("instructed to panic"),
         "nan" => command.steering = f64::NAN,
         "range" => command.steering = 7.0,
         "endless" => loop {

@@ -1,6 +1,6 @@
 """A small neural network drives: two points ahead on the path, in the vehicle's frame, to a steering command.
 
-train_neural.py makes its weights, which lie beside it.
+train_neural.py makes its weights, `neural_weights.npz` in the same folder.
 """
 
 from pathlib import Path

@@ -15,7 +15,7 @@ SAMPLES, ROUNDS, RATE = 1024, 2000, 5e-3
 
 
 def samples(rng):
-    """Poses of a vehicle beside circular paths, and what pure pursuit steers there."""
+    """Poses of a vehicle near circular paths, with the steering commands of pure pursuit."""
     bend = rng.uniform(-0.12, 0.12, SAMPLES)  # 1/m
     offset, heading = rng.uniform(-3.0, 3.0, SAMPLES), rng.uniform(-0.8, 0.8, SAMPLES)
     points = []

@@ -23,7 +23,7 @@ fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
     for part in [
         "first 20 tasks",
         "(planner/init-failed)",
-        "planner faulty 1.0.0-rc.1 on w001/t00, init: returned an error: told to give up",
+        "planner faulty 1.0.0-rc.1 on w001/t00, init: returned an error: instructed to give up",
         "10 tasks left",
         "--out r --resume",
         "--keep-going",
@@ -50,7 +50,7 @@ fn a_planner_that_fails_alike_in_the_first_tasks_is_ended_and_resume_goes_on() {
     assert_eq!((&finished["event"], &finished["interrupted"]), (&"finished".into(), &false.into()));
     let start = &finished["failed_start"];
     assert_eq!((&start["tasks"], &start["fault"]), (&20.into(), &"planner/init-failed".into()));
-    assert!(start["reason"].as_str().is_some_and(|r| r.contains("told to give up")), "{start}");
+    assert!(start["reason"].as_str().is_some_and(|r| r.contains("instructed to give up")), "{start}");
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
     let native =
         |fault, kind, says, steps| Failure { plugin_kind: PluginKind::Native, fault, kind, says, steps };
     let failures = [
-        wasm("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
+        wasm("error", "planner/error", "step 3 (t = 0.30 s): returned an error: instructed to give up", 4),
         wasm("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         wasm("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
         wasm(
@@ -39,15 +39,15 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         ),
         wasm("memory", "planner/out-of-memory", "bytes of memory; the limit is 33554432", 4),
         wasm("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
-        wasm("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
+        wasm("init-error", "planner/init-failed", "init: returned an error: instructed to give up", 0),
         wasm("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
         wasm("init-memory", "planner/out-of-memory", "init: wanted", 0),
-        native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: told to give up", 4),
+        native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: instructed to give up", 4),
         native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
         native("memory", "planner/out-of-memory", "exceeded its memory limit of 33554432 bytes", 4),
         native("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
-        native("init-error", "planner/init-failed", "init: returned an error: told to give up", 0),
+        native("init-error", "planner/init-failed", "init: returned an error: instructed to give up", 0),
         native("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
     ];
     let bench = Bench::new();

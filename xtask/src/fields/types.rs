@@ -242,7 +242,7 @@ impl<'a> Types<'a> {
             }
             (_, "schema") => Ok("Version of the format.".to_owned()),
             (_, "name") => Ok("The name.".to_owned()),
-            (_, "description") => Ok("A description in one line.".to_owned()),
+            (_, "description") => Ok("A description in one line, for people.".to_owned()),
             _ if self.format.title.is_empty() => Ok("joint of the linkage".to_owned()),
             _ => {
                 let what = format!("{}: the field {name} has no comment", self.format.title);

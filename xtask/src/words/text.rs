@@ -119,9 +119,9 @@ struct Piece {
     text: String,
 }
 
-/// The documentation and the literals of a Rust source, without its tests.
+/// The documentation and the literals of a Rust source, without its tests and the reasons of attributes.
 fn scan(text: &str) -> Vec<Piece> {
-    let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let mut pieces = Vec::new();
     let (mut rest, mut line) = (text, 1);
     while let Some(first) = rest.chars().next() {
@@ -134,12 +134,15 @@ fn scan(text: &str) -> Vec<Piece> {
             }
         } else if rest.starts_with("/*") {
             taken = rest.find("*/").map_or(rest.len(), |at| at + 2);
-        } else if let Some((begin, end)) = quotes(rest) {
+        } else if let Some((begin, end, is_raw)) = quotes(rest) {
             let body = &rest[begin..];
-            let length = if end == "\"" { closing(body) } else { body.find(&end).unwrap_or(body.len()) };
+            let length = if is_raw { body.find(&end).unwrap_or(body.len()) } else { closing(body) };
             let literal = &body[..length];
-            let text = if end == "\"" { unescaped(literal) } else { literal.to_owned() };
-            pieces.push(Piece { line, is_doc: false, text: without_arguments(&text) });
+            let before = &text[..text.len() - rest.len()];
+            if !before.trim_end().ends_with("reason =") {
+                let text = if is_raw { literal.to_owned() } else { unescaped(literal) };
+                pieces.push(Piece { line, is_doc: false, text: without_arguments(&text) });
+            }
             taken = (begin + length + end.len()).min(rest.len());
         } else if first == '\'' {
             // A character, or a lifetime, which ends nowhere.
@@ -158,16 +161,16 @@ fn scan(text: &str) -> Vec<Piece> {
     pieces
 }
 
-/// Where the literal that a text begins with has its first character, and what ends it.
-fn quotes(text: &str) -> Option<(usize, String)> {
+/// Where the literal that a text begins with has its first character, what ends it, and whether it is a raw one.
+fn quotes(text: &str) -> Option<(usize, String, bool)> {
     let behind = text.trim_start_matches(['b', 'c']);
     let prefix = text.len() - behind.len();
     let raw = behind.strip_prefix('r').map(|raw| (raw, raw.len() - raw.trim_start_matches('#').len()));
     match raw {
         Some((raw, hashes)) if raw[hashes..].starts_with('"') => {
-            Some((prefix + hashes + 2, format!("\"{}", "#".repeat(hashes))))
+            Some((prefix + hashes + 2, format!("\"{}", "#".repeat(hashes)), true))
         }
-        _ => (prefix < 2 && behind.starts_with('"')).then(|| (prefix + 1, "\"".to_owned())),
+        _ => (prefix < 2 && behind.starts_with('"')).then(|| (prefix + 1, "\"".to_owned(), false)),
     }
 }
 
@@ -254,9 +257,9 @@ mod tests {
     fn of_rust_documentation_and_literals_are_read() {
         let text = "//! The least\n// least\nfn least<'a>() -> char { f(\"least\", \"the \\\"least\\\" {least}\\n\"); '\"' }\n\
                     /// A `least`\nconst A: &str = r#\"one \"least\n\"#; /* \"a least\" */\nlet b = \"one \\\n  least\";\n\
-                    #[cfg(test)]\nmod tests { const C: &str = \"the least\"; }\n";
-        assert_eq!(with(&rust(text), "least"), [1, 7]);
-        assert_eq!(literals(text)[0], (3, "the  \"least \" 0 ".to_owned()));
+                    #[allow(x, reason = \"the least\")]\n#[cfg(test)]\nmod tests { const C: &str = \"the least\"; }\n";
+        assert_eq!(with(&rust(text), "least"), [1, 3, 7]);
+        assert_eq!(literals(text)[0], (3, "the  least  0 ".to_owned()));
         assert_eq!(literals(text)[1].1, "one \"least\n");
         assert_eq!(literals(text).len(), 3);
     }

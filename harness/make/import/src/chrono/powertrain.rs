@@ -40,7 +40,7 @@ pub(crate) fn engine(doc: &Doc, notes: &mut Notes) -> Result<Engine, ImportError
                 None => {
                     let speed = 10.0 * power / torque;
                     notes.assumed(format!(
-                        "{}: a greatest engine speed of {speed:.0} rad/s, ten times that of the full torque at full power",
+                        "{}: a maximum engine speed of {speed:.0} rad/s, ten times that of the full torque at full power",
                         doc.file
                     ));
                     speed

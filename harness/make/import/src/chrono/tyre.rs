@@ -240,7 +240,7 @@ fn simple(
         for k in 0..2 {
             if !(slope[k] > 0.0 && most[k] > 0.0 && sliding[k] > 0.0 && sliding[k] <= most[k]) {
                 return n.fail(format!(
-                    "slope {}, maximum {} and sliding force {}; all must be positive, the maximum the greatest force",
+                    "slope {}, maximum {} and sliding force {}; all must be positive, and no force may exceed the maximum",
                     slope[k], most[k], sliding[k]
                 ));
             }

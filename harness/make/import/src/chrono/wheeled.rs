@@ -71,7 +71,7 @@ pub(super) fn convert(
             None => tyre::read(set, f, load, notes)?,
             Some(d) => {
                 notes.approximated(format!(
-                    "axle {}: twin wheels are one wheel with twice the forces of a tyre, {d} m wider than it",
+                    "axle {}: dual wheels are one wheel with twice the forces of a tyre, {d} m wider than it",
                     a.name
                 ));
                 tyre::twin(tyre::read(set, f, 0.5 * load, notes)?, d)

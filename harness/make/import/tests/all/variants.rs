@@ -1,4 +1,4 @@
-//! Variants of sets: key names and file types of Chrono's older versions, files that the vehicle's file names, twin wheels.
+//! Variants of sets: key names and file types of Chrono's older versions, files that the vehicle's file names, dual wheels.
 
 use super::{AXLE, RACK, SPINDLE, set, wishbones};
 use std::path::{Path, PathBuf};
@@ -88,7 +88,7 @@ fn powertrains_of_chrono_8_are_engine_and_transmission() {
     let Engine::Simple { torque, power, max_speed, .. } = of(cvt).spec.powertrain.engine else { panic!() };
     assert_eq!([torque, power, max_speed], [300.0, 60e3, 700.0]);
     let i = of(&cvt.replace(", \"Maximum Engine Speed\": 700", ""));
-    assert!(says(&i, Kind::Assumed, "a greatest engine speed of 2000 rad/s"));
+    assert!(says(&i, Kind::Assumed, "a maximum engine speed of 2000 rad/s"));
 
     let i = of(
         r#"{"Name": "p", "Type": "Powertrain", "Template": "SimpleMapPowertrain", "Engine": {"Maximal Engine Speed RPM": 5000,
@@ -204,7 +204,7 @@ fn twin_wheels_are_one_with_twice_the_forces() {
         near(a, 2.0 * b);
     }
     assert_eq!(t.sym, u.sym);
-    assert!(says(&i, Kind::Approximated, "twin wheels") && !says(&i, Kind::NoCounterpart, "Outside"));
+    assert!(says(&i, Kind::Approximated, "dual wheels") && !says(&i, Kind::NoCounterpart, "Outside"));
 }
 
 #[test]

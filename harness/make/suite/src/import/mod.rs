@@ -156,7 +156,7 @@ impl Source {
             name: name.into(),
             version: "release".into(),
             description: format!(
-                "{count} worlds of the original Verti-Bench release. {ground} Paths are planned anew."
+                "{count} worlds of the original Verti-Bench release. {ground} Paths are re-planned."
             ),
             provenance: Provenance::Imported {
                 source: format!("Verti-Bench release, {count} of 100 worlds, ground {}", self.ground.name()),

@@ -14,7 +14,7 @@ const ROWS: &[(&str, &[(&str, f64)])] = &[
             ("prior.elevation.coarse.error_correlation_m", 1.0),
         ],
     ),
-    ("prior kinds of ground", &[("prior.semantics.coarse.resolution_m", 1.0)]),
+    ("prior terrain classes", &[("prior.semantics.coarse.resolution_m", 1.0)]),
     ("prior obstacles", &[("prior.occupancy.resolution_m", 1.0)]),
     (
         "pose: heading",

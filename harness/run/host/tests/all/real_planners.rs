@@ -117,11 +117,11 @@ fn a_planners_metadata_are_those_of_its_crate() {
 fn faults_are_the_same_with_both_kinds_where_a_native_planner_survives_them() {
     let (Some(wasm), Some(native)) = (load("faulty.wasm"), load("libfaulty.so")) else { return };
     for (fault, code, text) in [
-        ("error", "planner/error", "step 3 (t = 0.00 s): returned an error: told to give up"),
+        ("error", "planner/error", "step 3 (t = 0.00 s): returned an error: instructed to give up"),
         ("panic", "planner/panic", "examples/faulty/src/lib.rs"),
         ("nan", "planner/invalid-output", "step 3 (t = 0.00 s): steering is NaN; a command must be finite"),
-        ("init-error", "planner/init-failed", "init: returned an error: told to give up"),
-        ("init-panic", "planner/panic", "told to panic"),
+        ("init-error", "planner/init-failed", "init: returned an error: instructed to give up"),
+        ("init-panic", "planner/panic", "instructed to panic"),
     ] {
         let [w, n] = [&wasm, &native].map(|p| run_to_fault(p, fault));
         assert_eq!((w.code().name(), n.code().name()), (code, code));
