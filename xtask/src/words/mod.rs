@@ -1,4 +1,4 @@
-//! The terms that STYLE.md tells to avoid, in all that users read.
+//! The avoided terms of STYLE.md, in all texts that users read.
 
 mod text;
 
@@ -55,7 +55,7 @@ const PLACES: &[Place] = &[
 ];
 /// Folders and files without texts for users, or which another program writes.
 const SKIPPED: [&str; 7] = ["tests", "tests.rs", "benches", "target", "node_modules", "gen", "build"];
-/// Sources whose words are fixed: kernels keep a hash of some, and others have the names by which references mean the figures of events.
+/// Sources whose words are fixed: kernels keep a hash of some, and of others references use the names of figures.
 const FIXED: [&str; 7] = [
     "harness/base",
     "harness/learn/kernel",
@@ -89,7 +89,7 @@ const PHRASES: [(&str, &str); 9] = [
     ("those who", "users, planner authors, organisers"),
     ("whoever", "users, planner authors, organisers"),
 ];
-/// Forms of words that no ending tells.
+/// Irregular forms of words.
 const IRREGULAR: [(&str, &str); 16] = [
     ("told", "tell"),
     ("foretold", "foretell"),
@@ -190,8 +190,8 @@ fn collect(place: &Path, extension: &str, files: &mut Vec<PathBuf>) -> Result<()
     Ok(())
 }
 
-/// The terms of the table in STYLE.md, and [`PHRASES`] of those that are followed by a context in brackets: whether these are avoided depends
-/// on it.
+/// The terms of the table in STYLE.md, and [`PHRASES`] of those that are followed by a context in brackets: whether
+/// these are avoided depends on it.
 fn terms(style: &str) -> Vec<Term> {
     let table = style.split_once("## Terms").map_or("", |(_, rest)| rest);
     let table = table.split_once("\n## ").map_or(table, |(table, _)| table);
