@@ -12,11 +12,9 @@ pub(super) fn enum_of(item: &ItemMacro) -> Option<(String, ItemEnum)> {
     let at = text.find("pub enum ")?;
     let own: String = text[at + "pub enum ".len()..].chars().take_while(|c| c.is_alphanumeric()).collect();
     let own: Ident = syn::parse_str(&own).ok()?;
-    // The attributes are the last ones before it, behind the body's brace.
-    let before = text[..at]
-        .rsplit_once("=>")
-        .map_or(&text[..at], |(_, body)| body)
-        .trim_start_matches([' ', '{', '(']);
+    // Its attributes stand before it in the body of the macro, behind the modules that it declares.
+    let body = text[..at].rsplit_once("=>").map_or(&text[..at], |(_, body)| body);
+    let before = body.find('#').map_or("", |at| &body[at..]);
     let attributes = syn::parse::Parser::parse_str(Attribute::parse_outer, before).ok()?;
     let mut made: ItemEnum = parse_quote!(enum #own {});
     made.attrs = attributes;
