@@ -106,7 +106,7 @@ struct Column {
 pub struct Layout {
     /// The number of wheels of the vehicle.
     pub wheels: usize,
-    /// Whether the driver tells the speed that it aims at.
+    /// Whether the driver reports its target speed.
     pub speed: bool,
     /// Whether the vehicle has a goal.
     pub goal: bool,

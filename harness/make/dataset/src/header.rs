@@ -109,7 +109,7 @@ pub struct Header {
     /// The planners that drove, if any did.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub planners: Vec<PlannerHeader>,
-    /// Whether the worlds belong to a suite: such a dataset is for looking at, and nothing may be trained on it.
+    /// Whether the worlds belong to a suite: such a dataset is for inspection only, not for training.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub of_a_suite: bool,
     /// What else was asked for.

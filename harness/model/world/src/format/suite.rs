@@ -31,7 +31,7 @@ pub enum Provenance {
         #[serde(default)]
         place: Option<Georeference>,
     },
-    /// The worlds were made by hand.
+    /// The worlds were made manually.
     Authored {
         /// The people who made them, or the way in which they did.
         by: String,
