@@ -82,7 +82,7 @@ fn a_survey_with_room_for_too_many_worlds_is_refused_and_the_folder_is_looked_at
     for resolution in ["1000", "1e300"] {
         let site = ["suite", "site", raster, "--out", "x", "--tiles", "--sample-resolution", resolution];
         let told = fail(&dir, &site, BAD_INPUT);
-        assert!(told.contains("999 at most") && told.contains("--at"), "{told}");
+        assert!(told.contains("limit of 999") && told.contains("--at"), "{told}");
     }
     assert!(!dir.path().join("x").exists(), "nothing is written");
 }

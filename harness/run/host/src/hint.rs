@@ -168,7 +168,7 @@ mod tests {
         for given in ["mine/libmine.so", "x/target/wasm32-unknown-unknown/release/mine.wasm"] {
             assert!(missing(Path::new(given)).contains("cdylib"), "{given}");
         }
-        assert!(missing(Path::new("pyton3 mine.py")).contains("first word, pyton3,"));
+        assert!(missing(Path::new("pyton3 mine.py")).contains("first word, but pyton3 is none"));
     }
 
     #[test]

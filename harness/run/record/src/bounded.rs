@@ -421,7 +421,7 @@ mod tests {
         let e = refused(&with_footer(&footer_of(&[0; 5000], 0)), &ENOUGH);
         assert!(e.contains("5000 elements in its schema; at most 4096"), "{e}");
         let e = refused(&with_footer(&footer_of(&[1, 0], 100_000)), &ENOUGH);
-        assert!(e.contains("100000 row groups, at most 65536"), "{e}");
+        assert!(e.contains("100000 row groups; at most 65536"), "{e}");
         let mut long = table(1).to_vec();
         let at = long.len() - 8;
         long[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());

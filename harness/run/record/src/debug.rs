@@ -221,7 +221,7 @@ mod tests {
         };
         let most = DebugSeries::MAX_VALUES;
         let e = refused(file(most + 1, |_| "a".into()));
-        assert!(e.contains("t.debug.parquet") && e.contains("values, the most that is read"), "{e}");
+        assert!(e.contains("t.debug.parquet") && e.contains("values, the limit for such a file"), "{e}");
         let e = refused(file(3, |_| "a".repeat(DebugSeries::MAX_NAME + 1)));
         assert!(e.contains("a text of 101 bytes; at most 100 are allowed"), "{e}");
         let e = refused(file(300, |k| k.to_string()));

@@ -224,7 +224,7 @@ fn forged_snapshots_are_refused_and_change_nothing() {
         told
     };
     assert!(refused(b"").starts_with("the state can't be read: it is not a state"));
-    assert!(refused(&vec![0; 17 << 20]).contains("at most 16777216 are read"));
+    assert!(refused(&vec![0; 17 << 20]).contains("at most 16777216 are allowed"));
     for end in 8..bytes.len() {
         refused(&bytes[..end]);
     }

@@ -60,7 +60,7 @@ fn a_world_of_a_suite_is_not_trained_on() {
     let hidden = made.suite().dir().to_owned();
     let told = make(train(vec![hidden])).err().unwrap().to_string();
     assert!(
-        told.starts_with("w001 of the training worlds is world w001 of the suite training-7999"),
+        told.starts_with("w001 of the training worlds is world w001 of the evaluation suite training-7999"),
         "{told}"
     );
     assert!(catalog.suites().unwrap().len() >= 2);

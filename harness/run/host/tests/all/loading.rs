@@ -182,7 +182,7 @@ fn metadata_that_are_damaged_or_of_another_version() {
     assert!(matches!(error, LoadError::AbiVersion { .. }));
     assert!(message.contains("built for planner ABI 1.1; this harness supports 1.0. Rebuild"), "{message}");
     // The version is read before the rest, which may have other rules there.
-    let (error, message) = refusal(&with("abi: 0.3\nname\n"));
+    let (error, message) = refusal(&with("abi: 1.3\nname\n"));
     assert!(matches!(error, LoadError::AbiVersion { .. }), "{message}");
     assert!(message.ends_with("Rebuild it with vb-sdk 1.0, or use a newer harness"), "{message}");
 }

@@ -153,13 +153,13 @@ fn libraries() -> Vec<Case> {
         ),
         library(
             "a library with a smaller entry",
-            "const vb_planner_functions vb_planner_entry = {16, 0, 2, 0, 0, 0};",
+            "const vb_planner_functions vb_planner_entry = {16, 1, 0, 0, 0, 0};",
             AbiMismatch,
             "16 bytes",
         ),
         library(
             "a library without functions",
-            "const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 0, 2, 0, 0, 0};",
+            "const vb_planner_functions vb_planner_entry = {sizeof(vb_planner_functions), 1, 0, 0, 0, 0};",
             AbiMismatch,
             "no function init",
         ),

@@ -193,7 +193,7 @@ fn too_much() -> Vec<Case> {
             "all of memory at once",
             "(drop (memory.grow (i32.const 65532))) unreachable",
             OutOfMemory,
-            "wanted 4294967296 bytes",
+            "requested 4294967296 bytes",
         ),
         changed(
             "more memory at the start than it may have",
@@ -369,7 +369,7 @@ fn lies() -> Vec<Case> {
             "an exit",
             r#"(import "wasi_snapshot_preview1" "proc_exit" (func $exit (param i32)))"#,
             "(call $exit (i32.const 1)) unreachable",
-            (Step, Crashed, "exit code 1"),
+            (Step, Crashed, "exited with code 1"),
         ),
         importing(
             "waiting without end",
