@@ -56,7 +56,7 @@ fn seeds_of_a_planner_are_together_and_what_was_not_driven_is_a_dash() {
         markdown.contains("| =&lt;b&gt; | 100.0 [67.6, 100.0] (100.0 to 100.0) | 50.0 [50.0, 50.0] |"),
         "{markdown}"
     );
-    assert!(markdown.contains("Tasks of all 2 seeds are together"));
+    assert!(markdown.contains("Tasks of all 2 seeds are pooled"));
     // By rank, over the 64 tasks of both seeds. A task with one seed is not the same as with the other.
     assert!(
         markdown.contains("## hmmwv, oracle") && markdown.contains("| 1 | =&lt;b&gt; | 64 |"),

@@ -311,7 +311,7 @@ mod tests {
             read_json::<serde_json::Value>(&path, 10, 3, |_| Ok(()))
                 .unwrap_err()
                 .to_string()
-                .contains("beyond 10")
+                .contains("exceeds 10")
         );
     }
 }

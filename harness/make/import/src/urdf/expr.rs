@@ -357,7 +357,7 @@ mod tests {
             ("1/0", "division by zero"),
             ("(1", "not closed"),
             ("load_yaml('x')", "is not a number"),
-            ("1 +", "no end"),
+            ("1 +", "is incomplete"),
             ("[1, 2]", "is not supported"),
         ] {
             let e = evaluate(text, &names).unwrap_err();

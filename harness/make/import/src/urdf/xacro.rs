@@ -430,7 +430,7 @@ mod tests {
             ("<xacro:strange/>", "no macro of this name"),
             ("<link name=\"$(arg x)\"/>", "--arg x=VALUE"),
             ("<xacro:include filename=\"$(find no_such_package)/a.xacro\"/><xacro:of_it/>", "--data"),
-            ("<xacro:include filename=\"no_such.xacro\"/>", "is not there"),
+            ("<xacro:include filename=\"no_such.xacro\"/>", "does not exist"),
             (
                 "<xacro:macro name=\"a\" params=\"\"><xacro:a/></xacro:macro><xacro:a/>",
                 "levels deep (a loop?)",

@@ -210,7 +210,7 @@ fn casters_and_wheels_that_roll_sideways_are_refused() {
     assert!(i.notes.of(Kind::Assumed).any(|n| n.text.contains("steers by up to 0.5 rad")));
     let behind = caster.replace("parent=\"${name}_hinge\" x=\"0\"", "parent=\"${name}_hinge\" x=\"-0.03\"");
     let e = convert(&behind).unwrap_err().to_string();
-    assert!(e.contains("joint fl_steer: a caster") && !e.contains('\n'), "{e}");
+    assert!(e.contains("joint fl_steer: a passive caster") && !e.contains('\n'), "{e}");
     let e = convert(&CAR.replace("name=\"small car\"", "name=\"mecanum car\"")).unwrap_err().to_string();
     assert!(e.contains("wheels that roll sideways have no counterpart"), "{e}");
     let plugin = CAR

@@ -103,8 +103,8 @@ mod tests {
         type Change = fn(&mut Vec<u8>);
         let cases: [(Change, &str, &str); 9] = [
             (|b| b[0] = b'P', "file", "is not a Windows bitmap"),
-            (|b| b.truncate(20), "file", "cut short (20 bytes, but its header needs 54)"),
-            (|b| b.truncate(1080), "file", "cut short (1080 bytes, but the image needs 1086)"),
+            (|b| b.truncate(20), "file", "is truncated (20 bytes, but its header needs 54)"),
+            (|b| b.truncate(1080), "file", "is truncated (1080 bytes, but the image needs 1086)"),
             (|b| b[28] = 24, "format", "24 bits a pixel, compression 0"),
             (|b| b[30] = 1, "format", "8 bits a pixel, compression 1"),
             (|b| b[18] = 4, "size", "4 x 2 pixels: must be 3 x 2"),

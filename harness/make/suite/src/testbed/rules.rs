@@ -205,7 +205,7 @@ mod tests {
             ("level: high", "level: steep", "elevation.beds[1].level"),
             ("std: 0.55", "std: -0.55", "elevation.beds[1].std: -0.55 must lie in"),
             ("model: rocks", "model: ''", "elevation.model: is empty"),
-            ("class: wood", "class: sand", "materials.all[3].class: sand yields"),
+            ("class: wood", "class: sand", "materials.all[3].class: sand is deformable"),
             ("mean: 0.36", "mean: 3.6", "materials.all[2].mean: 3.6 must lie in 0 to 2"),
             ("clip: [0.1, 1.0]", "clip: [0.1, 0.0]", "materials.clip[1]: 0 must lie in 0.1"),
             ("count: 5", "count: 0", "trials.count: 0 must lie in 1 to 100"),

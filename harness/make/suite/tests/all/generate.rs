@@ -389,7 +389,8 @@ fn rules_that_leave_no_room_or_no_way_say_so() {
     let coarse = ("grid: {nodes: 129, resolution: 1.0}", "grid: {nodes: 33, resolution: 4.0}");
     let level = error(&[("tilt: 20.0", "tilt: 0.5"), coarse], 2).to_string();
     assert!(
-        level.contains("w003: no start and goal 120 m apart") && level.contains("tasks.stand.tilt"),
+        level.contains("w003: no start and goal at a distance of 120 m")
+            && level.contains("tasks.stand.tilt"),
         "{level}"
     );
 }

@@ -316,13 +316,9 @@ fn flaws_of_binary_files_are_named() {
         (
             "Worlds/1.bmp",
             |b| b.truncate(9000),
-            "1.bmp: file: was cut short (9000 bytes, but the image needs 18106): restore the file",
+            "1.bmp: file: is truncated (9000 bytes, but the image needs 18106): restore the file",
         ),
-        (
-            "Worlds/1.bmp",
-            |b| b.truncate(20),
-            "1.bmp: file: was cut short (20 bytes, but its header needs 54)",
-        ),
+        ("Worlds/1.bmp", |b| b.truncate(20), "1.bmp: file: is truncated (20 bytes, but its header needs 54)"),
         ("Worlds/1.bmp", |b| b.clear(), "1.bmp: file: is not a Windows bitmap"),
         ("Worlds/1.bmp", |b| b[18] = 128, "1.bmp: size: 128 x 129 pixels: must be 129 x 129"),
         ("Worlds/1.bmp", |b| b[28] = 24, "1.bmp: format: 24 bits a pixel"),
@@ -336,7 +332,7 @@ fn flaws_of_binary_files_are_named() {
         (
             "Worlds/1.bmp",
             |b| b[10..14].fill(255),
-            "1.bmp: file: was cut short (18106 bytes, but the image needs",
+            "1.bmp: file: is truncated (18106 bytes, but the image needs",
         ),
         (
             "labels1_high.npy",
@@ -346,7 +342,7 @@ fn flaws_of_binary_files_are_named() {
         (
             "labels1_high.npy",
             |b| b.truncate(40),
-            "labels1_high.npy: file: was cut short (40 bytes, within its header)",
+            "labels1_high.npy: file: is truncated (40 bytes, within its header)",
         ),
         ("labels1_high.npy", |b| b[0] = b'x', "labels1_high.npy: file: is not a NumPy array"),
         (
@@ -411,7 +407,7 @@ fn flaws_of_the_config_are_named() {
         (
             "goal: [-60.0,",
             "goal: [26.12, -16.76, 0.0] #",
-            &["positions[0]: goal [26.12, -16.76] lies 0.00 m from"],
+            &["positions[0]: goal [26.12, -16.76] is 0.00 m from"],
         ),
         ("goal: [-60.0,", "goal: [-90.0,", &["positions[0]: goal [-90.0,", "outside"]),
     ];

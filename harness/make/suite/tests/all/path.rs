@@ -143,7 +143,7 @@ fn what_cannot_be_planned_says_why() {
     let no_way = message([-40.0, 0.0], [40.0, 0.0]);
     assert!(no_way.contains("no path from [-40.0, 0.0] to [40.0, 0.0] has a clearance of 2.5 m"), "{no_way}");
     let close = message([-40.0, 0.0], [52.0, 3.0]);
-    assert!(close.contains("goal [52.0, 3.0] lies 1.50 m from obstacles[0]"), "{close}");
+    assert!(close.contains("goal [52.0, 3.0] is 1.50 m from obstacles[0]"), "{close}");
     let outside = message([-70.0, 0.0], [0.0, 0.0]);
     assert!(outside.contains("start [-70.0, 0.0] lies outside the world"), "{outside}");
     assert!(message([f64::NAN, 0.0], [0.0, 0.0]).contains("lies outside the world"));

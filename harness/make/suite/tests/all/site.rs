@@ -144,7 +144,7 @@ fn a_survey_with_room_for_more_worlds_than_are_made_is_refused_before_any_is() {
     for (resolution, worlds) in [(128.0, "40000"), (1e6, "2441406250000"), (1e300, "inf")] {
         let error = make(&survey(&heights, resolution), Cut::Tiles, 1).unwrap_err().to_string();
         assert!(
-            error.contains(&format!("room for {worlds}")) && error.contains("999 at most"),
+            error.contains(&format!("room for {worlds}")) && error.contains("limit of 999"),
             "{resolution}: {error}"
         );
     }
@@ -187,7 +187,10 @@ fn starts_and_goals_stand_on_ground_that_is_not_too_steep() {
     }
     let steep = raster(140, 140, 1.0, |x, _| x);
     let error = make(&survey(&steep, 1.0), Cut::At([0.0; 2]), 1).unwrap_err().to_string();
-    assert!(error.contains("no start and goal 120 m apart") && error.contains("tasks.stand.tilt"), "{error}");
+    assert!(
+        error.contains("no start and goal at a distance of 120 m") && error.contains("tasks.stand.tilt"),
+        "{error}"
+    );
 }
 
 #[test]

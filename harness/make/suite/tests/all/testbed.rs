@@ -123,7 +123,7 @@ fn rules_that_no_surface_can_keep_are_named_as_the_file_names_them() {
         ("tilt: 15.0", "tilt: 0.01"),
     ]);
     assert!(
-        level.contains("w001: no start and goal 10 m apart") && level.contains("raise stand.tilt"),
+        level.contains("w001: no start and goal at a distance of 10 m") && level.contains("raise stand.tilt"),
         "{level}"
     );
     let rough = error(&[("std: 0.165", "std: 99.0")]);

@@ -125,7 +125,7 @@ fn a_need_that_a_profile_cannot_meet_is_one_line_that_says_what_is_possible() {
     };
     assert_eq!(
         refuse(&blind, &["pose", "gnss"]),
-        "the planner needs gnss, which the perception profile degraded doesn't offer; it offers pose, imu, wheel-odometry, \
+        "the planner needs gnss, which the perception profile degraded does not provide; it provides pose, imu, wheel-odometry, \
          lidar, depth, local-map"
     );
     assert_eq!(
