@@ -286,12 +286,12 @@ fn damaged_data_of_the_original_is_refused_with_file_field_and_value() {
     let good = Original::new;
     let cases: Vec<(Original, &[&str])> = vec![
         (Original { bitmap: bitmap(12), ..good() }, &[BITMAP, "12 x 12", "9 x 9"]),
-        (Original { bitmap: bitmap(9)[..1100].to_vec(), ..good() }, &[BITMAP, "1100 bytes", "cut short"]),
+        (Original { bitmap: bitmap(9)[..1100].to_vec(), ..good() }, &[BITMAP, "1100 bytes", "truncated"]),
         (Original { bitmap: b"GIF89a".to_vec(), ..good() }, &[BITMAP, "not a Windows bitmap"]),
         (Original { bitmap: Vec::new(), ..good() }, &[BITMAP]),
         (Original { labels: labels(9, 80), ..good() }, &[LABELS, "80 values", "(9, 9)"]),
         (Original { labels: labels(12, 144), ..good() }, &[LABELS, "(12, 12)", "(9, 9)"]),
-        (Original { labels: labels(9, 81)[..30].to_vec(), ..good() }, &[LABELS, "cut short"]),
+        (Original { labels: labels(9, 81)[..30].to_vec(), ..good() }, &[LABELS, "truncated"]),
         (Original { labels: b"x".to_vec(), ..good() }, &[LABELS, "not a NumPy array"]),
         (Original { config: String::new(), ..good() }, &[CONFIG]),
         (Original { config: good().config[..150].to_owned(), ..good() }, &[CONFIG]),
@@ -445,7 +445,7 @@ fn a_damaged_run_is_refused_by_score_and_resume() {
             true,
         ),
         ("tasks.jsonl", format!("broken\n{lines}").into(), &["tasks.jsonl", "line 1"], true),
-        ("tasks.jsonl", twice.into(), &["tasks.jsonl", "line 3", "twice"], true),
+        ("tasks.jsonl", twice.into(), &["tasks.jsonl", "line 3", "duplicate"], true),
         ("traces/w001/t00.parquet", trace[..trace.len() / 2].to_vec(), &["t00.parquet"], false),
         ("traces/w001/t00.parquet", b"PAR1".to_vec(), &["t00.parquet"], false),
     ];

@@ -242,7 +242,7 @@ fn datasets_are_split_by_world_and_joined() {
         ("a b=1", "\"a b\" is not a valid name"),
         ("../p=1", "\"../p\" is not a valid name"),
         ("a=0.5,a=0.5", "a and a have the same folder"),
-        ("a=0.8,b=0.1", "the fractions sum to 0.900, not to 1"),
+        ("a=0.8,b=0.1", "the fractions sum to 0.900, not 1"),
     ] {
         let e = bench.run(&["dataset", "split", "ab", "--parts", parts, "--out", "p"]).error(USAGE);
         assert!(e.contains(says), "{e}");

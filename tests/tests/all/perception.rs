@@ -48,7 +48,7 @@ fn what_a_profile_does_not_offer_is_said_before_anything_is_driven() {
     let pid = pid();
     for (planner, profile, says) in [
         (&watch, "blind.yaml", &["watch", "needs gnss", "blind", "it provides pose"][..]),
-        (&watch, "slow.yaml", &["watch", "needs imu at 100 Hz", "slow offers 20"]),
+        (&watch, "slow.yaml", &["watch", "needs imu at 100 Hz", "slow provides 20"]),
         (&watch, "wrong.yaml", &["wrong.yaml", "lidar.max_range_m"]),
         (&watch, "nowhere.yaml", &["nowhere.yaml"]),
         (&pid, "weather", &["there is no perception profile weather", "onboard"]),

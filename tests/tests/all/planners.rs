@@ -41,7 +41,7 @@ fn each_kind_of_failure_ends_its_own_task_with_its_kind_and_reason_and_no_other(
         wasm("stack", "planner/stack-overflow", "step 3 (t = 0.30 s): overflowed its stack", 4),
         wasm("init-error", "planner/init-failed", "init: returned an error: instructed to give up", 0),
         wasm("init-panic", "planner/panic", "init: panicked at examples/faulty/src/lib.rs", 0),
-        wasm("init-memory", "planner/out-of-memory", "init: wanted", 0),
+        wasm("init-memory", "planner/out-of-memory", "init: requested", 0),
         native("error", "planner/error", "step 3 (t = 0.30 s): returned an error: instructed to give up", 4),
         native("panic", "planner/panic", "step 3 (t = 0.30 s): panicked at examples/faulty/src/lib.rs", 4),
         native("nan", "planner/invalid-output", "step 3 (t = 0.30 s): steering is NaN", 4),
@@ -102,7 +102,7 @@ fn what_the_host_failed_counts_for_nobody_and_is_run_again() {
     assert_eq!((&summary["all"]["tasks"], &summary["all"]["outcomes"]["stuck"]), (&1.into(), &1.into()));
     // Resumed, the task is run again, and its line replaced.
     let again = bench.run(&[&args[..], &["--resume"]].concat()).error(7);
-    assert!(again.contains("failed 1 tasks"), "{again}");
+    assert!(again.contains("1 tasks failed"), "{again}");
     assert_eq!(bench.records("r").len(), 2);
 }
 

@@ -228,7 +228,7 @@ mod tests {
         }
         let page = report.page();
         assert!(page.contains("<br><span class=\"tag\">in Chrono's set-up</span>"));
-        assert!(page.contains("Figures in Chrono's set-up without a reference"));
+        assert!(page.contains("Measurements in Chrono's set-up without a reference"));
         assert!(page.contains("<polyline class=\"setup c0\""));
         let dir = std::env::temp_dir().join(format!("vb-validate-{}", std::process::id()));
         report.write(&dir).unwrap();

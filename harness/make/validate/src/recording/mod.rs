@@ -500,6 +500,6 @@ mod tests {
         let hmmwv = include_str!("../../../../../tasks/vehicles/hmmwv.yaml");
         let spec = VehicleSpec::parse(hmmwv, "hmmwv.yaml").unwrap();
         let e = replay(&spec, &Recording::parse(TEXT, "d").unwrap(), &[0.5], 1e-3).unwrap_err().to_string();
-        assert!(e.starts_with("hmmwv: skid: is not there"), "{e}");
+        assert!(e.starts_with("hmmwv: skid: is missing"), "{e}");
     }
 }
