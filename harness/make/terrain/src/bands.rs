@@ -300,7 +300,7 @@ mod tests {
         for (from, to, told) in [
             (vec![-1.0], vec![-1.0], "1 and 1 knots"),
             (vec![-1.0, 1.0], vec![1.0], "2 and 1 knots"),
-            (vec![-1.0, f32::NAN], vec![0.0, 1.0], "no numbers"),
+            (vec![-1.0, f32::NAN], vec![0.0, 1.0], "not numbers"),
             (vec![0.0, 0.5], vec![0.0, 1.0], "not 0"),
             (vec![-1.0, -1.0, 1.0], vec![0.0, 0.0, 1.0], "must rise"),
             (vec![-1.0, 1.0], vec![1.0, 0.0], "decreasing"),

@@ -98,7 +98,7 @@ fn folders_that_cannot_be_learned_from_are_told_in_one_line() {
     picture(dir.path(), "a.png", 0.0);
     let select = |text: &str| std::fs::write(dir.path().join("terrain.yaml"), text).unwrap();
     select("schema: 1\nfiles: {z.png: {}}\n");
-    assert!(why().contains("there is no z.png"));
+    assert!(why().contains("z.png of the selection does not exist"));
     select("schema: 1\nfiles: {a.png: {window: [0, 0, 49, 40]}}\n");
     assert!(why().contains("window [0, 0, 49, 40]"));
     select("schema: 2\nfiles: {a.png: {}}\n");
