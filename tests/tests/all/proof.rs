@@ -52,7 +52,10 @@ fn a_proof_names_who_did_a_task_first_and_what_nobody_did() {
     let file = root().join("tasks/smoke/proof.json");
     let before = std::fs::read(&file).expect("the suite's proof");
     let error = bench.run(&["suite", "prove", "smoke", "a", "b", "--in-place"]).error(2);
-    assert!(error.contains("proof.json has certificates of ") && error.contains("another file with --out"), "{error}");
+    assert!(
+        error.contains("proof.json has certificates of ") && error.contains("another file with --out"),
+        "{error}"
+    );
     // Nothing is written beside a suite unless the user says so.
     let error = bench.run(&["suite", "prove", "smoke", "a", "b"]).error(2);
     assert!(error.contains("--in-place") && error.contains("--out"), "{error}");

@@ -191,7 +191,11 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
         ("D:long section 2,m", "D:friction,-", "\"friction\" is not a supported channel"),
         ("D:long section 2,m", "D:long section 4,m", "long section 2 is expected here"),
         ("D:long section 2,m", "D:long section 1,m", "duplicate channel"),
-        ("D:long section 2,m\nD:long section 3,m\n", "", "1 longitudinal sections are defined: a surface needs at least 2"),
+        (
+            "D:long section 2,m\nD:long section 3,m\n",
+            "",
+            "1 longitudinal sections are defined: a surface needs at least 2",
+        ),
         (" 0.0040000", "0.00400000", "no error"),
         ("5.0000E-3", "5,0000x-3", "is not a number: each takes 10 characters"),
         (" 0.0060000", "", "line 16: ends before number 3 of 3"),
