@@ -328,7 +328,7 @@ fn damaged_data_of_the_original_is_refused_with_file_field_and_value() {
             &bench,
             &["suite", "import", from, "--out", "none"],
             BAD_INPUT,
-            &[from, "no world found", "name"],
+            &[from, "no world found", "give"],
         );
     }
 }

@@ -301,7 +301,7 @@ mod tests {
             (vec![-1.0], vec![-1.0], "1 and 1 knots"),
             (vec![-1.0, 1.0], vec![1.0], "2 and 1 knots"),
             (vec![-1.0, f32::NAN], vec![0.0, 1.0], "not numbers"),
-            (vec![0.0, 0.5], vec![0.0, 1.0], "not 0"),
+            (vec![0.0, 0.5], vec![0.0, 1.0], "not be 0"),
             (vec![-1.0, -1.0, 1.0], vec![0.0, 0.0, 1.0], "must increase"),
             (vec![-1.0, 1.0], vec![1.0, 0.0], "decreasing"),
         ] {

@@ -199,7 +199,7 @@ fn what_is_not_read_is_refused_with_line_and_remedy() {
         (" 0.0040000", "0.00400000", "no error"),
         ("5.0000E-3", "5,0000x-3", "is not a number: each takes 10 characters"),
         (" 0.0060000", "", "line 16: ends before number 3 of 3"),
-        (" 0.0060000", " 0.0060000 0.0060000", "line 16: has more than the 3 numbers"),
+        (" 0.0060000", " 0.0060000 0.0060000", "line 16: has more than 3 numbers"),
         (" 0.0020000", " *missing*", "u = 0 m (row 1 of the data) lacks a height within the course"),
         (" 0.0010000 0.0020000 0.0030000", " *missing* *missing* *missing*", "has no height at all"),
         ("$$$$", "$", "its header has no end"),
