@@ -17,7 +17,7 @@ use crate::traversability::{Prices, Values, costs};
 /// Gains of the speed controller in the model's training data: s/m, and 1/m.
 const GAINS: (f64, f64) = (0.6, 0.15);
 
-/// What rollouts approach.
+/// The target of the rollouts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
     /// A point on the global path at the look-ahead distance.
@@ -66,13 +66,13 @@ struct Traversability {
 
 impl Traversability {
     /// Adds a cost to each position.
-    fn add(&mut self, mut dearer: impl FnMut(Place) -> f32) {
+    fn add(&mut self, mut extra_cost: impl FnMut(Place) -> f32) {
         let (frame, area) = (self.frame, self.costs.len() / HEADINGS);
         for (heading, costs) in self.costs.chunks_exact_mut(area).enumerate() {
             for (k, cost) in costs.iter_mut().enumerate() {
                 let (row, col) = (k as u32 / frame.cols, k as u32 % frame.cols);
                 let (x, y) = frame.position(row, col);
-                *cost += dearer(Place { row, col, at: Point2 { x, y }, heading });
+                *cost += extra_cost(Place { row, col, at: Point2 { x, y }, heading });
             }
         }
     }
@@ -114,7 +114,7 @@ impl Hybrid {
         Self::over(task, aim, prediction, None::<fn(Place) -> f32>)
     }
 
-    /// Initialises the planner for a task with additional path costs per metre, `dearer`, for each position. `dearer`
+    /// Initialises the planner for a task with additional path costs per metre, `extra_cost`, for each position. `extra_cost`
     /// is used only with [`Aim::Traversability`].
     ///
     /// # Errors
@@ -123,7 +123,7 @@ impl Hybrid {
         task: &Task,
         aim: Aim,
         Prediction { learned, attention }: Prediction,
-        dearer: Option<impl FnMut(Place) -> f32>,
+        extra_cost: Option<impl FnMut(Place) -> f32>,
     ) -> Result<Self, PlannerError> {
         let vehicle = &task.vehicle;
         let scale = vehicle.scale;
@@ -212,8 +212,8 @@ impl Hybrid {
             let reach = (objective.radius, objective.margin);
             let costs = costs(heights.frame, &model, &objective.clearance, reach, target as f32, &prices);
             let mut places = Traversability { frame: heights.frame, costs, goal: task.goal };
-            if let Some(dearer) = dearer {
-                places.add(dearer);
+            if let Some(extra_cost) = extra_cost {
+                places.add(extra_cost);
             }
             if let Some(explanation) = &mut explanation {
                 explanation.show(heights.frame, &model, &places.costs);
@@ -241,9 +241,9 @@ impl Hybrid {
     }
 
     /// Adds a cost to each position as in [`Hybrid::over`], and recomputes the cost-to-go.
-    pub fn avoid(&mut self, dearer: impl FnMut(Place) -> f32) {
+    pub fn avoid(&mut self, extra_cost: impl FnMut(Place) -> f32) {
         if let Some(map) = &mut self.map {
-            map.add(dearer);
+            map.add(extra_cost);
             self.objective.values = Some(map.values());
         }
     }

@@ -124,14 +124,14 @@ impl Searching {
         // The planner below reports maps of fewer than 2 x 2 samples.
         let surface = heights.frame.rows.min(heights.frame.cols) > 1;
         let stances = (surface && hull + tilt > 0.0).then(|| Stances::new(heights, &vehicle));
-        let dearer = stances.map(|stances| {
+        let extra_cost = stances.map(|stances| {
             move |place: Place| {
                 let stance = stances.at(place.row as usize, place.col as usize, place.heading);
                 hull * stance.hull + tilt * (stance.tilt / TENTH).min(MOST)
             }
         });
         let prediction = Prediction { learned: Learned::All, attention: false };
-        let hybrid = Hybrid::over(task, Aim::Traversability, prediction, dearer)?;
+        let hybrid = Hybrid::over(task, Aim::Traversability, prediction, extra_cost)?;
         let foresight = Foresight::new(task, heights, task.semantics.as_ref())?;
         let recovery = (foresight.is_none() && task.param_as::<u8>("recover")? != 0)
             .then(|| Recovery::new(task, Settings::default().scaled(vehicle.scale)));

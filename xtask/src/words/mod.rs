@@ -227,7 +227,7 @@ fn words(text: &str) -> Vec<Word<'_>> {
     found
 }
 
-/// What all forms of a word have in common.
+/// The common stem of all forms of a word.
 fn stem(word: &str) -> &str {
     let known = IRREGULAR.iter().find(|(form, _)| *form == word);
     let word = known.map_or(word, |(_, known)| *known);

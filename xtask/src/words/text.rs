@@ -105,7 +105,7 @@ fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join("`").to_lowercase()
 }
 
-/// What stands behind a hash that begins a line or follows a blank.
+/// The text of a comment: a hash at the start of a line or after a blank begins it.
 fn after_hash(line: &str) -> Option<&str> {
     line.match_indices('#')
         .find(|(at, _)| line[..*at].is_empty() || line[..*at].ends_with(' '))

@@ -101,7 +101,7 @@ struct Column {
     fill: Fill,
 }
 
-/// What decides which columns there are.
+/// The settings that determine the columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
     /// The number of wheels of the vehicle.

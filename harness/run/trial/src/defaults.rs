@@ -1,4 +1,4 @@
-//! What a trial has where nothing else is chosen: the defaults of the command line, of sweeps and of environments.
+//! Default settings of trials, for the command line, sweeps and environments.
 
 /// The vehicle.
 pub const VEHICLE: &str = "hmmwv";

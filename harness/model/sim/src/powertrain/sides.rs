@@ -44,8 +44,7 @@ pub(super) struct Sides {
     shaft: f64,
     /// Of each wheel, kg m².
     wheel_inertias: Vec<f64>,
-    /// What a test rig makes the wheels of the left and of the right side turn at after each step, rad/s. A setting of the rig and
-    /// no part of the state.
+    /// Prescribed speeds of the left and right wheels after each step, rad/s: a setting of the test rig, not part of the state.
     #[cfg(feature = "rig")]
     prescribed: Option<[f64; 2]>,
 }
