@@ -2,40 +2,13 @@
 
 mod args;
 mod causes;
-mod check;
-mod commands;
-#[cfg(feature = "dataset")]
-mod dataset;
-mod dispatch;
+mod cli;
+mod command;
 mod error;
-#[cfg(feature = "replay")]
-mod film;
-#[cfg_attr(not(feature = "terrain"), path = "without_geojson.rs")]
-mod geojson;
-mod inspect;
-mod leaderboard;
-mod list;
-mod merge;
 mod output;
 mod places;
 mod planner;
-mod plugin;
 mod progress;
-#[cfg_attr(not(feature = "replay"), path = "without_replay.rs")]
-mod replay;
-mod report;
-#[cfg(feature = "ros")]
-mod ros;
-mod run;
-mod score;
-mod shell;
-mod submission;
-mod suite;
-mod sweep;
-#[cfg(feature = "terrain")]
-mod terrain;
-#[cfg(feature = "vehicle")]
-mod vehicle;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -48,7 +21,7 @@ fn main() -> ExitCode {
         return end;
     }
     report_large_files();
-    let cli = match args::Cli::of_the_program() {
+    let cli = match cli::Cli::of_the_program() {
         Ok(cli) => cli,
         Err(e) if e.use_stderr() => return failed(&usage(&e)),
         Err(e) => {
@@ -183,7 +156,7 @@ mod tests {
     fn said(line: &str) -> String {
         let given: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         let all = std::iter::once("vb-harness".to_owned()).chain(given.clone());
-        let e = args::Cli::documented().try_get_matches_from(all).unwrap_err();
+        let e = cli::Cli::documented().try_get_matches_from(all).unwrap_err();
         usage_of(&e, &given).to_string()
     }
 

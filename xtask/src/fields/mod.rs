@@ -215,7 +215,7 @@ const PAGES: [Page; 2] = [
                 title: "planner.yaml",
                 about: "`plugin stamp`; [interface](abi.md#metadata).",
                 root: "Document",
-                sources: &["harness/cli/src/plugin/meta.rs"],
+                sources: &["harness/cli/src/command/plugin/meta.rs"],
             },
         ],
     },

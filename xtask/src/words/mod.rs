@@ -22,7 +22,7 @@ const PLACES: &[Place] = &[
     Place("docs", "md", prose),
     Place("harness/python/README.md", "md", prose),
     Place("sdk/python/README.md", "md", prose),
-    Place("harness/cli/src/args/snapshots", "snap", prose),
+    Place("harness/cli/src/snapshots", "snap", prose),
     Place("harness/python/vertibench", "py", python),
     Place("sdk/python/src", "py", python),
     Place("sdk/python/examples", "py", python),

@@ -125,3 +125,17 @@ pub(crate) struct ForceArgs {
     #[arg(long)]
     pub(crate) force: bool,
 }
+
+/// Where the data of a run lie now, if not where they lay.
+#[derive(Debug, Default, Args)]
+pub(crate) struct ReplayData {
+    /// Suite of the runs; default: its recorded path, or the shipped suite of its name
+    #[arg(long, value_name = "DIR")]
+    pub(crate) suite: Option<PathBuf>,
+    /// Vehicle of the runs, for replays: a name or a file; default: by its recorded name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) vehicle: Option<String>,
+    /// Soil set of the runs, for replays: a name or a file; default: by its recorded name
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) soils: Option<String>,
+}

@@ -13,12 +13,12 @@ const RESUMED: [(u8, &str); 2] =
     [(HOST_ERRORS, "; --resume re-runs them"), (INTERRUPTED, "; --resume continues")];
 
 /// The end of the help of a command that can give these codes in addition to [`ALWAYS`].
-pub(super) fn codes(own: &[u8]) -> String {
+pub(crate) fn codes(own: &[u8]) -> String {
     text(own, &[])
 }
 
 /// The end of the help of such a command that has `--resume`.
-pub(super) fn resumed(own: &[u8]) -> String {
+pub(crate) fn resumed(own: &[u8]) -> String {
     text(own, &RESUMED)
 }
 
@@ -31,7 +31,7 @@ fn text(own: &[u8], hints: &[(u8, &str)]) -> String {
 }
 
 /// The program's commands with their exit codes at the end of their help.
-pub(super) fn document(program: Command) -> Command {
+pub(crate) fn document(program: Command) -> Command {
     let all: Vec<u8> = EXIT_CODES.iter().map(|(code, _)| *code).collect();
     program.after_help(codes(&all)).mut_subcommands(add)
 }
@@ -47,8 +47,8 @@ fn add(command: Command) -> Command {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Cli;
     use super::*;
+    use crate::cli::Cli;
     use crate::error::{NOT_VERIFIED, SIM_ERRORS};
 
     /// Each command that does something, with its path and the end of its help.

@@ -6,19 +6,19 @@ use vb_vehicle::SCALES;
 use vb_world::{Shard, ShardError};
 
 /// A planner: a file, which may lie in the directory that `VB_PLUGINS` names, or a command.
-pub(super) fn planner() -> impl TypedValueParser {
+pub(crate) fn planner() -> impl TypedValueParser {
     PathBufValueParser::new().map(crate::places::plugin)
 }
 
 /// A number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
     value.ok_or_else(|| "want a number above 0".into())
 }
 
 /// Columns and rows of pixels.
 #[cfg(feature = "replay")]
-pub(super) fn frame_size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn frame_size(text: &str) -> Result<[u32; 2], String> {
     let side = |t: &str| t.parse::<u32>().ok().filter(|n| (64..=vb_render::Size::MAX).contains(n));
     let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| side(w).zip(side(h)));
     let wanted = || format!("want columns and rows of 64 to {} pixels, e.g. 1280x720", vb_render::Size::MAX);
@@ -26,7 +26,7 @@ pub(super) fn frame_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// Widths of figures in a column and across the page, inches; one for both where a page has one column.
-pub(super) fn figure_width(text: &str) -> Result<[f64; 2], String> {
+pub(crate) fn figure_width(text: &str) -> Result<[f64; 2], String> {
     let number = |t: &str| positive(t).ok().filter(|v| *v <= 40.0);
     let (column, page) = text.split_once(',').unwrap_or((text, text));
     number(column).zip(number(page)).map(|(column, page)| [column, page]).ok_or_else(|| {
@@ -34,7 +34,7 @@ pub(super) fn figure_width(text: &str) -> Result<[f64; 2], String> {
     })
 }
 
-pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
+pub(crate) fn key_value(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
         _ => Err("want KEY=VALUE, e.g. speed=5".into()),
@@ -42,26 +42,26 @@ pub(super) fn key_value(text: &str) -> Result<(String, String), String> {
 }
 
 /// A shard by its number, or the one that a scheduler's environment says.
-pub(super) fn shard(text: &str) -> Result<Shard, ShardError> {
+pub(crate) fn shard(text: &str) -> Result<Shard, ShardError> {
     if text == "auto" {
         return Shard::from_environment(|name| std::env::var(name).ok());
     }
     Shard::parse(text)
 }
 
-pub(super) fn trace_mode(text: &str) -> Result<TraceMode, String> {
+pub(crate) fn trace_mode(text: &str) -> Result<TraceMode, String> {
     [TraceMode::None, TraceMode::TenHz, TraceMode::Full]
         .into_iter()
         .find(|mode| mode.name() == text)
         .ok_or_else(|| "want none, 10hz or full".into())
 }
 
-pub(super) fn log_mode(text: &str) -> Result<LogMode, String> {
+pub(crate) fn log_mode(text: &str) -> Result<LogMode, String> {
     LogMode::ALL.into_iter().find(|mode| mode.name() == text).ok_or_else(|| "want all, failed or none".into())
 }
 
 /// A number or a fraction.
-pub(super) fn scale(text: &str) -> Result<f64, String> {
+pub(crate) fn scale(text: &str) -> Result<f64, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok();
     let value = match text.split_once('/') {
         Some((a, b)) => number(a).zip(number(b)).map(|(a, b)| a / b),
@@ -92,25 +92,25 @@ const TIMES: &str = "in seconds or with a unit, e.g. 8, 0.5s, 5ms, 2min or 10h";
 
 /// A moment: a time that isn't below 0, s.
 #[cfg(feature = "replay")]
-pub(super) fn moment(text: &str) -> Result<f64, String> {
+pub(crate) fn moment(text: &str) -> Result<f64, String> {
     seconds(text).filter(|v| *v >= 0.0).ok_or_else(|| format!("want a time that is not below 0, {TIMES}"))
 }
 
 /// A duration: a time above 0, s.
 #[cfg(any(feature = "dataset", feature = "ros", feature = "vehicle"))]
-pub(super) fn duration(text: &str) -> Result<f64, String> {
+pub(crate) fn duration(text: &str) -> Result<f64, String> {
     seconds(text).filter(|v| *v > 0.0).ok_or_else(|| format!("want a time above 0, {TIMES}"))
 }
 
 /// A step of the simulation, of which a whole number makes the time between two samples, s.
-pub(super) fn time_step(text: &str) -> Result<f64, String> {
+pub(crate) fn time_step(text: &str) -> Result<f64, String> {
     seconds(text).filter(|v| vb_trial::is_time_step(*v)).ok_or_else(|| {
         "want a time from 0.1ms to 5ms that divides 10ms, e.g. 0.5ms or 0.0005 (seconds)".into()
     })
 }
 
 /// A length in metres that a soil's memory can have.
-pub(super) fn soil_resolution(text: &str) -> Result<f64, String> {
+pub(crate) fn soil_resolution(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     value
         .filter(|v| SOIL_RESOLUTIONS.contains(v))
@@ -118,7 +118,7 @@ pub(super) fn soil_resolution(text: &str) -> Result<f64, String> {
 }
 
 /// A number of bytes with an optional binary suffix.
-pub(super) fn bytes(text: &str) -> Result<u64, String> {
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let (digits, shift) = match text.chars().last() {
         Some('K' | 'k') => (&text[..text.len() - 1], 10),
         Some('M' | 'm') => (&text[..text.len() - 1], 20),
@@ -135,7 +135,6 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::terrain::nodes;
     use super::*;
 
     #[test]
@@ -153,8 +152,6 @@ mod tests {
         );
         assert_eq!(key_value("a=b=c"), Ok(("a".into(), "b=c".into())));
         assert!(key_value("a").is_err() && key_value("=b").is_err());
-        assert_eq!((nodes("129"), nodes("200x100")), (Ok((129, 129)), Ok((200, 100))));
-        assert!(nodes("").is_err() && nodes("3x").is_err() && nodes("-1").is_err());
         assert!(positive("0").is_err() && positive("inf").is_err() && positive("0.5") == Ok(0.5));
         assert_eq!((time_step("0.5ms"), time_step("0.002")), (Ok(0.0005), Ok(0.002)));
         assert!(time_step("1").is_err() && time_step("3ms").is_err() && time_step("0").is_err());
