@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::Value;
+
+use crate::records::records;
 use crate::run::{Failure, remove, run, step};
 use crate::{build_all, built, default_plugin_dir, target_dir};
 
@@ -81,21 +84,12 @@ fn drive(suite: &Path, out: &Path, options: &[&str]) -> Result<Verdicts, Failure
     command.arg("--plugin").arg(default_plugin_dir().join("pid.wasm")).arg("--suite").arg(suite);
     command.args(["--tasks", "elevation=low,elevation=medium", "--trace", "none", "--out"]).arg(out);
     run(command.args(options).stdout(std::process::Stdio::null()))?;
-    let file = out.join("tasks.jsonl");
-    let text = std::fs::read_to_string(&file)
-        .map_err(|e| Failure::new(format!("can't read {}: {e}", file.display())))?;
-    text.lines()
-        .map(verdict)
-        .collect::<Option<_>>()
-        .ok_or_else(|| Failure::new(format!("{}: a record without task, outcome or time", file.display())))
-}
-
-/// (task, (outcome, time)) of a line of `tasks.jsonl`.
-fn verdict(line: &str) -> Option<(String, (String, f64))> {
-    let field = |name: &str| line.split_once(&format!("\"{name}\":")).map(|(_, rest)| rest);
-    let text = |name: &str| Some(field(name)?.strip_prefix('"')?.split_once('"')?.0.to_owned());
-    let time = field("time_s")?.split([',', '}']).next()?.parse().ok()?;
-    Some((text("task")?, (text("outcome")?, time)))
+    let of = |record: &Value| {
+        let text = |name: &str| record[name].as_str().map(str::to_owned);
+        Some((text("task")?, (text("outcome")?, record["time_s"].as_f64()?)))
+    };
+    let wrong = || Failure::new(format!("{}: a record without task, outcome or time", out.display()));
+    records(out)?.iter().map(of).collect::<Option<_>>().ok_or_else(wrong)
 }
 
 fn compare(ground: &str, name: &str, base: &Verdicts, other: &Verdicts) -> String {
@@ -122,13 +116,6 @@ mod tests {
         let rigid = only("rigid", rules).expect("a line with the order of grounds");
         assert!(rigid.contains("  order: [rigid]\n") && rigid.lines().count() == rules.lines().count());
         assert_eq!(rigid.matches("order:").count(), 1);
-    }
-
-    #[test]
-    fn a_verdict_is_read_from_a_record() {
-        let line = r#"{"task":"w001/t00","outcome":"success","three_way":"success","time_s":37.47,"x":1}"#;
-        assert_eq!(verdict(line), Some(("w001/t00".to_owned(), ("success".to_owned(), 37.47))));
-        assert_eq!(verdict("{}"), None);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Development tasks: `cargo xtask help`.
 
+mod blocks;
 mod compare;
 mod convergence;
+mod equivalence;
 mod examples;
 mod fields;
 mod fuzz;
@@ -10,6 +12,7 @@ mod licences;
 mod models;
 mod options;
 mod package;
+mod performance;
 mod pictures;
 mod plugins;
 mod portable;
@@ -65,8 +68,12 @@ Tasks:
   kernel [ARCH]...      Compile the simulator for GPUs of NVIDIA's, of all architectures or of some (sm_80, sm_90, sm_100,
                         sm_120): target/kernel/vb-kernel-ARCH.cubin.xz (needs Debian's packages, and 9 GB of memory)
   convergence           Drive 100 tasks at other steps and soil grids, and count the verdicts that stay
+  equivalence           Drive 1000 tasks with ten vehicles and three planners at longer steps, and test whether their success rates are
+                        equivalent to those at 1 ms
   suites                Write the suites in tasks/ anew, as the generator makes them now
   suites --check        Say whether they are what it makes
+  performance           Measure the speed of simulator, tasks, planners and environments, and write the tables of docs/performance.md
+                        (some 15 minutes on a machine that does nothing else; environments need a Python with the package: PYTHON)
   pictures              Drive the small suite with four planners, and make the README's pictures anew (needs Chromium)
   prove SUITE           Let the expert and other planners drive the tasks of a suite, and write who did which as its proof.json
   models                Explore training worlds, and train the models of the hybrid planners again
@@ -127,10 +134,12 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["lint"] => test::lint(),
         ["convergence"] => convergence::convergence(),
+        ["equivalence"] => equivalence::equivalence(),
         ["compare-chrono"] => compare::compare_chrono(false),
         ["compare-chrono", "--all"] => compare::compare_chrono(true),
         ["suites"] => build_harness().and_then(|()| suites::write()),
         ["suites", "--check"] => build_harness().and_then(|()| suites::check()),
+        ["performance"] => performance::performance(),
         ["pictures"] => pictures::pictures(),
         ["prove", suite] => build_all().and_then(|()| prove::prove(Path::new(suite))),
         ["abi"] => abi(),

@@ -13,6 +13,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
+use crate::blocks;
 use crate::run::{Failure, remove, run, step};
 use crate::{built, default_plugin_dir, root, target_dir};
 
@@ -164,7 +165,7 @@ pub(crate) fn results(options: &[&str]) -> Result<(), Failure> {
         }
     }
     for document in DOCUMENTS {
-        write(&root().join(document), &tables)?;
+        blocks::write(&root().join(document), "results", &tables)?;
     }
     Ok(())
 }
@@ -311,42 +312,9 @@ fn is_complete(summary: &Value) -> bool {
     summary["all"]["tasks"].is_u64() && summary["all"]["tasks"] == summary["planned"]
 }
 
-/// Puts tables in their places in a document.
-fn write(document: &Path, tables: &[(String, String)]) -> Result<(), Failure> {
-    let wrong = |e: &dyn std::fmt::Display| Failure::new(format!("{}: {e}", document.display()));
-    let mut text = std::fs::read_to_string(document).map_err(|e| wrong(&e))?;
-    let mut found = 0;
-    for (name, table) in tables {
-        if let Some(changed) = replaced(&text, name, table) {
-            text = changed;
-            found += 1;
-        }
-    }
-    step(&format!("{}: {found} tables", document.display()));
-    std::fs::write(document, text).map_err(|e| wrong(&e))
-}
-
-/// The text with another table between the marks of this name, if it has them.
-fn replaced(text: &str, name: &str, table: &str) -> Option<String> {
-    let (begin, end) =
-        (format!("<!-- made: {name} (by cargo xtask results) -->\n"), format!("<!-- end of {name} -->"));
-    let (before, rest) = text.split_once(&begin)?;
-    let (_, after) = rest.split_once(&end)?;
-    Some(format!("{before}{begin}\n{table}\n{end}{after}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_table_is_replaced_between_its_marks_alone() {
-        let text = "a\n<!-- made: t (by cargo xtask results) -->\nold\n<!-- end of t -->\nb\n";
-        let new = replaced(text, "t", "| new |\n").unwrap();
-        assert_eq!(new, "a\n<!-- made: t (by cargo xtask results) -->\n\n| new |\n\n<!-- end of t -->\nb\n");
-        assert_eq!(replaced(&new, "t", "| new |\n").unwrap(), new);
-        assert_eq!(replaced(text, "u", ""), None);
-    }
 
     #[test]
     fn a_run_that_was_interrupted_is_not_complete() {
