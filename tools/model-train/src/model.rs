@@ -1,12 +1,12 @@
 //! The model of motion, as it is rolled out in training: the same sums as [`hybrid::Kinodynamics`] has, on tensors.
 
-use candle_core::{Device, Result, Tensor};
+use candle_core::{Result, Tensor};
 use hybrid::{ACCELERATION, DT, LAG, OUTPUTS, SCALES, SLIP_KEPT, SLIP_LIMIT, TOLD, Units};
 use vb_sdk::Vehicle;
 
 use crate::data::{Data, Point, Window};
 use crate::network::Dense;
-use crate::repeatable;
+use crate::repeatable::{self, column};
 use crate::sight::{Ground, Sight};
 
 /// The networks of the model, and the vehicle.
@@ -34,11 +34,6 @@ const HAZARD: usize = 32;
 pub struct State {
     /// x, y, yaw, speed, side, turn, steering, roll, pitch, slip.
     pub values: [Tensor; 10],
-}
-
-pub(crate) fn column(values: Vec<f32>) -> Result<Tensor> {
-    let n = values.len();
-    Tensor::from_vec(values, (n, 1), &Device::Cpu)
 }
 
 impl Motion {

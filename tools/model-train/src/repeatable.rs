@@ -5,7 +5,7 @@
 //! order, nothing is fused, and elementary functions are those of [`vb_math`]. What candle does element by element (`+ - * /`,
 //! square roots, the greater of two) is exact by IEEE 754 and stays candle's.
 
-use candle_core::{CpuStorage, CustomOp1, CustomOp3, Layout, Result, Shape, Tensor, bail};
+use candle_core::{CpuStorage, CustomOp1, CustomOp3, Device, Layout, Result, Shape, Tensor, bail};
 use fearless_simd::{Level, dispatch};
 use vb_sdk::nn::LEAK;
 
@@ -226,6 +226,12 @@ fn add_in_order(sums: &mut [f32], left: Left<'_>, right: &[f32], width: usize) {
     }
 }
 
+/// Values as a tensor of one column.
+pub(crate) fn column(values: Vec<f32>) -> Result<Tensor> {
+    let n = values.len();
+    Tensor::from_vec(values, (n, 1), &Device::Cpu)
+}
+
 /// The elements of a tensor, row by row.
 pub(crate) fn numbers(x: &Tensor) -> Result<Vec<f32>> {
     x.flatten_all()?.to_vec1()
@@ -242,7 +248,7 @@ fn elements<'a>(storage: &'a CpuStorage, layout: &Layout) -> Result<&'a [f32]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use candle_core::{Device, Var};
+    use candle_core::Var;
     use vb_math::rng::Stream;
 
     fn random(rows: usize, columns: usize, name: &str) -> Var {

@@ -5,9 +5,8 @@ use hybrid::{CHANNELS, PATCH, PLACES, SEEN, TOLD, heading, heading_of, place};
 use vb_sdk::mppi::{LANES, Lanes};
 
 use crate::data::{Data, Window};
-use crate::model::column;
 use crate::network::Dense;
-use crate::repeatable::{numbers, widen};
+use crate::repeatable::{column, numbers, widen};
 
 /// Hidden values of the networks.
 const GROUND: usize = 64;

@@ -8,6 +8,7 @@
 pub mod bundle;
 mod decoding;
 pub mod document;
+mod flaw;
 mod hash;
 mod lock;
 mod text;
@@ -15,7 +16,8 @@ mod write;
 pub mod yaml;
 
 pub use decoding::{decoding, panic_text};
-pub use document::{Document, DocumentError, Flaw, Schema};
+pub use document::{Document, Schema};
+pub use flaw::{DocumentError, Flaw};
 pub use hash::{Hash, sha256};
 pub use lock::lock;
 pub use text::{cut_line, one_line, printable};

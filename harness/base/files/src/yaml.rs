@@ -2,7 +2,7 @@
 
 use serde::de::DeserializeOwned;
 
-use crate::document::Flaw;
+use crate::flaw::Flaw;
 
 /// Parses one document. A number may still be NaN or infinite: the caller checks its values.
 ///

@@ -1,11 +1,10 @@
 //! The person's part in a trial: commands from the page, in real time, and the vehicle's motion to the page.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
-use vb_files::lock;
 use vb_record::Sample;
 use vb_sdk::{Command, Gear, Observation, Task};
 use vb_sim::{Simulation, VehicleState};
@@ -13,28 +12,10 @@ use vb_trial::{Driver, DriverFault, Log, Witness};
 use vb_vehicle::{VehicleModel, kinematics::Side};
 
 use crate::server::Motion;
+use crate::wheel::Wheel;
 
 /// The time between two looks at what the person does, s.
 pub const CONTROL_PERIOD: f64 = 0.02;
-
-/// What the person does with steering wheel, pedals and gear lever.
-#[derive(Clone, Debug, Default)]
-pub struct Wheel(Arc<Mutex<Command>>);
-
-impl Wheel {
-    /// Sets it; what is no number counts as 0.
-    pub fn set(&self, command: Command) {
-        let number = |v: f64| if v.is_finite() { v } else { 0.0 };
-        let (steering, throttle, brake) =
-            (number(command.steering), number(command.throttle), number(command.brake));
-        let mut held = lock(&self.0);
-        *held = Command { steering, throttle, brake, ..command };
-    }
-
-    fn get(&self) -> Command {
-        lock(&self.0).clone()
-    }
-}
 
 /// The time on the clock: a person drives in real time. What is recorded are the commands, so nothing else of it reaches an
 /// episode.
@@ -138,13 +119,6 @@ impl Witness for Live<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_no_number_moves_nothing() {
-        let wheel = Wheel::default();
-        wheel.set(Command { steering: f64::NAN, throttle: f64::INFINITY, brake: 0.5, ..Command::default() });
-        assert_eq!((wheel.get().steering, wheel.get().throttle, wheel.get().brake), (0.0, 0.0, 0.5));
-    }
 
     #[test]
     fn a_person_drives_in_real_time_and_is_not_waited_for_once_gone() {

@@ -5,6 +5,8 @@
 
 mod driver;
 mod server;
+mod wheel;
 
-pub use driver::{CONTROL_PERIOD, Live, PersonDriver, Wheel};
+pub use driver::{CONTROL_PERIOD, Live, PersonDriver};
 pub use server::{Ask, Motion, Server, TeleopError};
+pub use wheel::Wheel;

@@ -15,7 +15,7 @@ use vb_files::lock;
 use vb_sdk::Command;
 use vb_trial::{numbered_gear, planner_gear};
 
-use crate::driver::Wheel;
+use crate::wheel::Wheel;
 
 /// The most bytes of a request's head.
 const HEAD: usize = 16 << 10;

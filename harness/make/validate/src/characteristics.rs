@@ -16,7 +16,7 @@ use vb_vehicle::{
     suspension::Linkage,
 };
 
-use crate::event::Bench;
+use crate::bench::Bench;
 use crate::statics::Statics;
 
 /// Speed of a wheel at which dampers are measured at full size, m/s. Ours: the greatest of a wheel that moves by 25 mm to each side
@@ -159,6 +159,13 @@ impl Rest {
     /// The mean load of the wheels of an axle, N.
     fn load(&self, axle: usize) -> f64 {
         mean(axle, |i| self.loads[i])
+    }
+}
+
+impl Bench<'_> {
+    #[must_use]
+    pub fn characteristics(&self) -> Characteristics {
+        Characteristics::new(self)
     }
 }
 

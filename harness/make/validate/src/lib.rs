@@ -9,6 +9,7 @@
 //!
 //! Units in figures, series and files are those named beside them: SI, angles in degrees, as people read them.
 
+mod bench;
 mod characteristics;
 mod check;
 mod course;
@@ -31,11 +32,12 @@ mod statics;
 mod theory;
 mod traction;
 
+pub use bench::Bench;
 pub use characteristics::{AxleCharacteristics, Characteristics, Ride};
 pub use check::{Check, Expectation, Expected, Kind, Verdict};
 pub use course::NamedCourse;
 pub use error::ValidateError;
-pub use event::{Bench, Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};
+pub use event::{Event, Figure, Line, LineKind, Outcome, Place, Plot, Series, Vehicles};
 pub use events::{event, events};
 pub use recording::{Recording, replay};
 pub use reference::{Curve, References};

@@ -1,6 +1,7 @@
 //! Driving in an event.
 
-use crate::event::{Bench, Series};
+use crate::bench::Bench;
+use crate::event::Series;
 use std::sync::Arc;
 use vb_math::angle::degrees;
 use vb_sim::{Controls, SimError, Simulation, SoilSet, VehicleState};

@@ -1,9 +1,10 @@
 //! Running events, side by side.
 
+use crate::bench::Bench;
 use crate::check::{Check, Kind};
 use crate::course::NamedCourse;
 use crate::error::ValidateError;
-use crate::event::{Bench, Event, LineKind, Outcome, Place};
+use crate::event::{Event, LineKind, Outcome, Place};
 use crate::events::{COURSES, event, events};
 use crate::reference::References;
 use crate::report::Report;

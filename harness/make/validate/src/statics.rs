@@ -2,7 +2,7 @@
 //! with the weight, by Newton's method. Independent of the simulator's equations of motion: of its tables only the lengths
 //! of struts over travel are used.
 
-use crate::event::Bench;
+use crate::bench::Bench;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use vb_sim::tyre::Tyre;
 use vb_vehicle::{

@@ -1,7 +1,7 @@
 //! The vehicle as a point mass on wheels that don't slip: what its maps, masses and friction alone make of a drive along
 //! a line. Independent of the simulator's equations of motion.
 
-use crate::event::Bench;
+use crate::bench::Bench;
 use vb_sim::tyre::Tyre;
 use vb_vehicle::VehicleSpec;
 

@@ -1,7 +1,7 @@
 //! The forces along a vehicle's way in balance: what its engine gives at a steady speed through one gear, and what resists.
 //! Independent of the simulator's powertrain: only the maps and tables of engine and converter are shared.
 
-use crate::event::Bench;
+use crate::bench::Bench;
 use crate::theory::{air, rolling_radius};
 
 /// Steps of the bisections: each halves the range.

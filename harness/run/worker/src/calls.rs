@@ -7,7 +7,7 @@ use vb_sdk::c::{self, Arena, CCommand, CError, CFunctions, CHost, CObservation, 
 use vb_sdk::native::PlannerModuleRef;
 use vb_sdk::{Command, Observation, Task};
 
-use crate::library::{Log, level_of};
+use crate::log::{Log, level_of};
 use crate::protocol::{Failure, FailureKind};
 
 /// The functions of an open library.

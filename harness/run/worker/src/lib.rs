@@ -9,6 +9,8 @@
 mod calls;
 #[cfg(unix)]
 mod library;
+#[cfg(unix)]
+mod log;
 pub mod protocol;
 pub mod sandbox;
 #[cfg(unix)]

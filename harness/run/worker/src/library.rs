@@ -11,9 +11,10 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use vb_files::Hash;
 use vb_sdk::c::{CFunctions, ENTRY};
 use vb_sdk::native::PlannerModuleRef;
-use vb_sdk::{Command, LogLevel, Observation, Task};
+use vb_sdk::{Command, Observation, Task};
 
 use crate::calls::Functions;
+use crate::log::Log;
 use crate::protocol::{Failure, FailureKind};
 
 /// What a file holds, and which file it is.
@@ -105,9 +106,6 @@ fn explain(error: &LibraryError) -> Failure {
     Failure { kind, message: vb_files::one_line(&message) }
 }
 
-/// Where log lines of a planner go.
-pub(crate) type Log<'a> = &'a mut dyn FnMut(LogLevel, &str);
-
 /// A planner at work on a task.
 #[derive(Debug)]
 pub(crate) struct Planner {
@@ -130,15 +128,5 @@ impl Drop for Planner {
     fn drop(&mut self) {
         // SAFETY: the state comes from these functions' `init` and is used no more.
         unsafe { self.functions.free(self.state) }
-    }
-}
-
-/// The level of a number: 0 error, 1 warn, 2 info, else debug.
-pub(crate) fn level_of(level: u32) -> LogLevel {
-    match level {
-        0 => LogLevel::Error,
-        1 => LogLevel::Warn,
-        2 => LogLevel::Info,
-        _ => LogLevel::Debug,
     }
 }

@@ -8,8 +8,8 @@
 use wide::{f32x8, u32x8};
 
 use crate::canvas::{GROUND, SKY, Seen, Strip, seen};
-use crate::develop::{APART, Developer, Grain, OPACITY, Place, ROUGHNESS, trodden};
 use crate::light::{HAZE, SKY_RISE, Shadow, ZENITH};
+use crate::pixel::{APART, Developer, Grain, OPACITY, Place, ROUGHNESS, trodden};
 use crate::texture::{Texture, shaded};
 
 pub(crate) const EIGHT: usize = 8;

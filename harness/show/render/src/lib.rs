@@ -19,6 +19,7 @@ mod ground;
 mod light;
 mod marks;
 mod painter;
+mod pixel;
 mod solid;
 mod texture;
 mod tracks;
@@ -26,7 +27,8 @@ mod vehicle;
 
 pub use camera::{Sight, View};
 pub use error::RenderError;
-pub use painter::{Change, Moment, Painter, Size};
+pub use painter::{Moment, Painter, Size};
+pub use pixel::Change;
 
 type V3 = nalgebra::Vector3<f64>;
 

@@ -2,12 +2,12 @@
 
 use crate::camera::{Lens, Sight, View, along, chase, top_down};
 use crate::canvas::{Canvas, Triangles};
-use crate::develop::{Grain, Look};
 use crate::error::RenderError;
 use crate::grains;
 use crate::ground::Ground;
 use crate::light::Shadow;
 use crate::marks::Marks;
+use crate::pixel::{Change, Grain, Look};
 use crate::solid::{Face, hull, sphere};
 use crate::texture::Texture;
 use crate::vehicle::Vehicle;
@@ -54,10 +54,6 @@ impl Size {
         Err(RenderError::Size { width: self.width, height: self.height, most: Self::MAX })
     }
 }
-
-/// By how much the ground at (x, y) is higher than it was at first, m: negative in a rut, positive on a heap, `None` where
-/// nothing has touched it. `Simulation::soil_change` answers this.
-pub type Change<'a> = dyn Fn(f64, f64) -> Option<f64> + 'a;
 
 /// What is drawn into the world at one instant.
 #[derive(Clone, Copy)]

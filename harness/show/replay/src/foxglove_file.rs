@@ -7,21 +7,21 @@ use std::sync::Arc;
 
 use foxglove::messages::{
     Color, CylinderPrimitive, FrameTransform, FrameTransforms, KeyValuePair, LinePrimitive, Log, Odometry,
-    Point3, Pose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp,
-    TriangleListPrimitive, Vector3, line_primitive, log, scene_entity_deletion,
+    Point3, Pose, SceneEntity, SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp,
+    TriangleListPrimitive, line_primitive, log, scene_entity_deletion,
 };
-use foxglove::{Channel, ChannelBuilder, Context, McapWriteOptions, McapWriter, PartialMetadata, Schema};
+use foxglove::{Channel, ChannelBuilder, Context, McapWriteOptions, McapWriter};
 use nalgebra::UnitQuaternion;
 use serde_json::json;
 use vb_world::World;
 
+use crate::attitude::attitude;
 use crate::debug::Lines;
-use crate::motion::attitude;
+use crate::messages::{WORLD, at, json_channel, pose, quaternion, vector};
 use crate::scene::{Mesh, ground, obstacles, parts};
 use crate::sensors_file::{write_grains, write_sensors};
 use crate::{Replay, ReplayError, ReplayRun};
 
-pub(crate) const WORLD: &str = "world";
 /// Height of lines above the ground, m.
 const ABOVE: f64 = 0.15;
 
@@ -34,23 +34,8 @@ const STATE_SCHEMA: &str = r#"{"title":"vb.State","type":"object","properties":{
 const PLANNER_SCHEMA: &str =
     r#"{"title":"vb.Planner","type":"object","additionalProperties":{"type":"number"}}"#;
 
-/// A time of the simulation as a time since the epoch.
-pub(crate) fn at(time: f64) -> (Timestamp, PartialMetadata) {
-    let nanos = (time.max(0.0) * 1e9).round() as u64;
-    let stamp = Timestamp::new((nanos / 1_000_000_000) as u32, (nanos % 1_000_000_000) as u32);
-    (stamp, PartialMetadata::with_log_time(nanos))
-}
-
-pub(crate) fn vector(v: [f64; 3]) -> Vector3 {
-    Vector3 { x: v[0], y: v[1], z: v[2] }
-}
-
 fn point(v: [f64; 3]) -> Point3 {
     Point3 { x: v[0], y: v[1], z: v[2] }
-}
-
-pub(crate) fn quaternion(q: UnitQuaternion<f64>) -> Quaternion {
-    Quaternion { x: q.i, y: q.j, z: q.k, w: q.w }
 }
 
 fn colour(rgb: [u8; 3], alpha: f64) -> Color {
@@ -91,18 +76,6 @@ pub fn write_mcap(replay: &Replay, file: File, path: &Path) -> Result<(), Replay
     }
     let mut file = handle.close().map_err(|e| fail(e.to_string()))?;
     std::io::Write::flush(&mut file).map_err(|e| fail(e.to_string()))
-}
-
-pub(crate) fn json_channel(
-    topic: String,
-    schema: (&str, &'static str),
-    context: &Arc<Context>,
-) -> Result<Arc<foxglove::RawChannel>, foxglove::FoxgloveError> {
-    ChannelBuilder::new(topic)
-        .message_encoding("json")
-        .schema(Schema::new(schema.0, "jsonschema", schema.1.as_bytes()))
-        .context(context)
-        .build_raw()
 }
 
 fn write_run(
@@ -203,10 +176,6 @@ fn triangles(mesh: &Mesh, colour: Color) -> TriangleListPrimitive {
         colors: Vec::new(),
         indices: mesh.triangles.concat(),
     }
-}
-
-pub(crate) fn pose(position: [f64; 3]) -> Pose {
-    Pose { position: Some(vector(position)), orientation: Some(quaternion(UnitQuaternion::identity())) }
 }
 
 fn line(points: Vec<Point3>, thickness: f64, colour: Color) -> LinePrimitive {

@@ -4,8 +4,7 @@ use serde_json::{Value, json};
 use vb_sim::Simulation;
 use vb_world::World;
 
-use crate::packed::packed;
-use crate::scene::steps;
+use crate::packed::{packed, steps};
 
 /// Displacement from which a move of a grain is stored, in radii.
 const MOVED: f64 = 0.1;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use vb_record::{Sample, Trace};
 use vb_sense::Truth;
 use vb_sim::{Controls, SimOptions, Simulation, SoilSet, StateHash, VehicleState};
@@ -279,11 +279,4 @@ impl Motion {
     pub fn end(&self) -> f64 {
         self.frames.last().map_or(0.0, |f| f.time)
     }
-}
-
-/// The attitude of a sample: body axes to world axes.
-#[must_use]
-pub fn attitude(s: &Sample) -> UnitQuaternion<f64> {
-    let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
-    about(Vector3::z_axis(), s.yaw) * about(Vector3::y_axis(), s.pitch) * about(Vector3::x_axis(), s.roll)
 }

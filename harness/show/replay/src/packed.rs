@@ -8,6 +8,9 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use serde_json::{Value, json};
 
+/// Unit of times, s.
+pub(crate) const TIME: f64 = 1e-4;
+
 /// Rows of numbers for the page's script (`web/src/packed.js`), each number to the nearest multiple of its column's unit; what is no
 /// number is 0. It is a list: the number of rows, the order of the prediction, the units, and the numbers in base64.
 ///
@@ -23,6 +26,18 @@ pub(crate) fn packed<const COLUMNS: usize>(
     let all = (0..=2).map(|order| (order, deflated(&differences(&rows, order))));
     let (order, bytes) = all.min_by_key(|(_, bytes)| bytes.len()).unwrap_or_default();
     json!([rows.len(), order, units.to_vec(), STANDARD.encode(bytes)])
+}
+
+/// Events in the order of time for the page: each time (s) with the number of events then.
+pub(crate) fn steps(times: impl Iterator<Item = f64>) -> Value {
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for at in times {
+        match steps.last_mut() {
+            Some([time, count]) if *time == at => *count += 1.0,
+            _ => steps.push([at, 1.0]),
+        }
+    }
+    packed(steps.into_iter(), [TIME, 1.0])
 }
 
 /// The differences from a prediction of this order as bytes.

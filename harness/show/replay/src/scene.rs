@@ -9,11 +9,12 @@ use vb_score::{Rules, TaskRecord};
 use vb_vehicle::{GRAVITY, VehicleSpec};
 use vb_world::{ObstacleKind, SoilLevel, Task, TaskId, TerrainClass, World};
 
+use crate::attitude::attitude;
 use crate::debug::PlannerSeries;
 use crate::facts::facts;
 use crate::linkage::carriers;
-use crate::motion::{Motion, Repeat, Rut, attitude};
-use crate::packed::packed;
+use crate::motion::{Motion, Repeat, Rut};
+use crate::packed::{TIME, packed, steps};
 use crate::sensed::Sensed;
 
 /// Nodes along a side of the ground as drawn; a finer one is thinned.
@@ -233,18 +234,6 @@ pub fn live_scene(
 /// The height of a change of the ground that is one on the page, m.
 const RUT: f64 = 1e-3;
 
-/// Events in the order of time for the page: each time (s) with the number of events then.
-pub(crate) fn steps(times: impl Iterator<Item = f64>) -> Value {
-    let mut steps: Vec<[f64; 2]> = Vec::new();
-    for at in times {
-        match steps.last_mut() {
-            Some([time, count]) if *time == at => *count += 1.0,
-            _ => steps.push([at, 1.0]),
-        }
-    }
-    packed(steps.into_iter(), [TIME, 1.0])
-}
-
 /// Ruts for the page: when how many of them are told, and of each the number of its cell from the west and from the south, and
 /// by how much the ground is higher there.
 fn ruts(m: &Motion, world: &World) -> Value {
@@ -267,8 +256,6 @@ fn unit_of_length(world: &World) -> f64 {
 const DIRECTION: f64 = 2e-5;
 /// Unit of the wheels' angles, rad.
 const ANGLE: f64 = 1e-3;
-/// Unit of times, s.
-const TIME: f64 = 1e-4;
 /// Units of speed (m/s), of roll and pitch (degrees), and of the commands.
 const SIGNALS: [f64; 6] = [1e-3, 1e-2, 1e-2, 1e-3, 1e-3, 1e-3];
 

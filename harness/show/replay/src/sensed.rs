@@ -13,7 +13,7 @@ use vb_sense::rays::Scene;
 use vb_sim::VehicleState;
 use vb_world::World;
 
-use crate::motion::attitude;
+use crate::attitude::attitude;
 
 /// The least time between two scans, images or maps that a page shows, s.
 const SHOWN: f64 = 0.5;

@@ -12,8 +12,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::json;
 use vb_sdk::{DepthImage, DepthInfo, LidarInfo, LidarScan, LocalMap, Mount};
 
-use crate::foxglove_file::{WORLD, at, json_channel, pose, quaternion, vector};
 use crate::grains::Grains;
+use crate::messages::{WORLD, at, json_channel, pose, quaternion, vector};
 use crate::scene::label_colour;
 use crate::sensed::Sensed;
 

@@ -1,8 +1,8 @@
 //! Suspensions with a beam between the wheels.
 
 use super::json::Node;
+use super::parts::{Parts, ball, half, parts, spindle};
 use super::strut::struts;
-use super::suspension::{Parts, ball, half, parts, spindle};
 use crate::place::{add, length, middle, mirrored, scale, sub};
 use crate::{ImportError, Notes};
 use vb_vehicle::Point;

@@ -1,7 +1,7 @@
 //! From parts to a vehicle: the frame, the travels, what a source does not give.
 
+use super::parts::Parts;
 use super::powertrain::{power, top_speed};
-use super::suspension::Parts;
 use crate::hull::{block, solid};
 use crate::place::{Mass, add, sub};
 use crate::{ImportError, Imported, Kind, Notes, Options};

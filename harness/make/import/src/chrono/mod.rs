@@ -6,6 +6,7 @@ mod choice;
 mod driveline;
 mod finish;
 mod json;
+mod parts;
 mod powertrain;
 mod set;
 mod steering;

@@ -2,9 +2,9 @@
 
 use super::finish::{self, Draft};
 use super::json::{Doc, Node};
+use super::parts::Parts;
 use super::set::Set;
 use super::steering::Gear;
-use super::suspension::Parts;
 use super::{chassis, choice, driveline, steering, suspension, tyre};
 use crate::place::{Mass, add};
 use crate::{ImportError, Notes, Options};

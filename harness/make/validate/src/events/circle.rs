@@ -1,7 +1,8 @@
 //! A circle of constant radius at growing speed.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::rig::Drive;
 use vb_math::angle::degrees;

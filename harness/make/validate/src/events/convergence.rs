@@ -1,8 +1,9 @@
 //! The same figures at other steps.
 
 use super::{cornering, grades, longitudinal, vertical};
+use crate::bench::Bench;
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Series, Vehicles};
 use vb_sim::SimError;
 
 pub(super) const CONVERGENCE: Event = Event {

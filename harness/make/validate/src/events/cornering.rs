@@ -1,7 +1,8 @@
 //! Cornering on level ground.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::{PARKED, speed};
 use crate::rig::Drive;

@@ -10,9 +10,10 @@ use vb_sim::{SimError, Simulation, SoilSet};
 use vb_terrain::Course;
 use vb_world::{Pose2, World};
 
+use crate::bench::Bench;
 use crate::check::Expected;
 use crate::course::{Ground, INCH, half_round, rms_course};
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 
 pub(super) const RIDE: Event = Event {
     name: "ride-course",

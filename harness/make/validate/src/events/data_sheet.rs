@@ -1,6 +1,7 @@
 //! What the file says of the vehicle, as a data sheet has it.
 
-use crate::event::{Bench, Event, Outcome, Place, Vehicles};
+use crate::bench::Bench;
+use crate::event::{Event, Outcome, Place, Vehicles};
 use vb_sim::SimError;
 
 pub(super) const DATA_SHEET: Event = Event {

@@ -1,7 +1,8 @@
 //! What nature conserves.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, profile};
 use crate::pace::{COASTING, PARKED};
 use crate::rig::Drive;

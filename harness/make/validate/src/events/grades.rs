@@ -1,7 +1,8 @@
 //! Straight up planes of growing steepness.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::plane;
 use crate::pace::{PARKED, controls, speed};
 use crate::rig::{Drive, largest};

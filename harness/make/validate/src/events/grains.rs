@@ -1,7 +1,8 @@
 //! Granular beds: the material, a single wheel of the vehicle, and the vehicle.
 
+use crate::bench::Bench;
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::bed;
 use crate::pace::{PARKED, controls};
 use crate::rig::Drive;

@@ -1,6 +1,7 @@
 //! What the suspension does to the wheels, from its tables.
 
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
+use crate::bench::Bench;
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use vb_math::angle::degrees;
 use vb_math::{asin, atan, tan};
 use vb_sim::SimError;

@@ -1,7 +1,8 @@
 //! Along a straight line on level ground.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::{COASTING, controls, speed};
 use crate::rig::{Drive, SAMPLE};

@@ -12,8 +12,9 @@
 //! move with the hub and k = J/r² it is u/v = (M cos θ + k) / (M cos² θ + m sin² θ + k). For M = m that is the balance
 //! of angular momentum about the edge, 1 − (h/r) m/(m + k).
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Series, Vehicles};
+use crate::event::{Event, Outcome, Place, Series, Vehicles};
 use crate::rig::largest;
 use vb_math::angle::{degrees, radians};
 use vb_math::{acos, atan, cos, sin, tan};

@@ -1,7 +1,8 @@
 //! Standing still.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, plane};
 use crate::pace::{COASTING, PARKED as BRAKES};
 use crate::rig::Drive;

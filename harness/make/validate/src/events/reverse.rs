@@ -1,8 +1,9 @@
 //! Backwards, and from forward to backwards.
 
 use super::grades::friction_bound;
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, plane};
 use crate::pace::{PARKED, controls, reverse, speed};
 use crate::rig::{Drive, SAMPLE, largest};

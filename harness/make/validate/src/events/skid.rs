@@ -1,7 +1,8 @@
 //! Skid steering on wheels: turning in place, the effective track, and what turning costs.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::controls;
 use crate::rig::Drive;

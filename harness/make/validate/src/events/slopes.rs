@@ -1,7 +1,8 @@
 //! Across slopes.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, plane};
 use crate::pace::PARKED;
 use crate::rig::Drive;

@@ -1,7 +1,8 @@
 //! The vehicle on soil.
 
+use crate::bench::Bench;
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::soil;
 use crate::pace::{COASTING, PARKED, controls};
 use crate::rig::{Drive, largest};

@@ -1,7 +1,8 @@
 //! Soil against published measurements: slip sinkage, shallow snow, and the vehicle cone index.
 
+use crate::bench::Bench;
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, soil};
 use crate::mobility_index::{CONE_INDEX, Wheeled};
 use crate::rig::Drive;

@@ -1,7 +1,8 @@
 //! Plates and single wheels on soil, against the closed forms of terramechanics.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::rigid_wheel::{Carried, RigidWheel};
 use vb_math::{exp, tan};
 use vb_sim::{

@@ -1,8 +1,9 @@
 //! Tipping over and lying on flank and roof.
 
 use super::slopes::{TIP_FRICTION, sticky, stiff};
+use crate::bench::Bench;
 use crate::check::{Expectation, Expected, Kind};
-use crate::event::{Bench, Event, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, relief};
 use crate::pace::{PARKED, controls};
 use crate::rig::{Drive, largest};

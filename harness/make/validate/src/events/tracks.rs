@@ -1,7 +1,8 @@
 //! What tracks do that wheels don't: turning by drag, pulling along their whole length, bridging trenches.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{flat, profile, soil};
 use crate::pace::controls;
 use crate::rig::{Drive, largest};

@@ -1,6 +1,7 @@
 //! The smallest circle.
 
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::bench::Bench;
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::flat;
 use crate::pace::speed;
 use crate::rig::Drive;

@@ -1,7 +1,8 @@
 //! Wheels at different heights, and with different grip.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Vehicles};
 use crate::grounds::{relief, split};
 use crate::pace::{PARKED, controls};
 use crate::rig::{Drive, largest};

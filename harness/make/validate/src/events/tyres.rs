@@ -1,7 +1,8 @@
 //! The tyres' steady curves.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use vb_math::{atan, hypot, tan};
 use vb_sim::{SimError, tyre::Tyre};
 use vb_vehicle::{TyreSpec, tyre::FialaTyre};

@@ -1,7 +1,8 @@
 //! Up and down: bumps, drops, steps.
 
+use crate::bench::Bench;
 use crate::check::Expected;
-use crate::event::{Bench, Event, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::{bump, flat, step};
 use crate::pace::{COASTING, controls};
 use crate::rig::{Drive, largest};

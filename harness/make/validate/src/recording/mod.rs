@@ -3,8 +3,9 @@
 
 mod table;
 
+use crate::bench::Bench;
 use crate::error::ValidateError;
-use crate::event::{Bench, Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
+use crate::event::{Event, LineKind, Outcome, Place, Plot, Series, Vehicles};
 use crate::grounds::flat;
 use crate::pace::COASTING;
 use crate::report::Report;

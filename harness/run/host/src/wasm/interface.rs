@@ -7,7 +7,7 @@ use vb_sdk::Command;
 use wasmtime::Store;
 use wasmtime::component::{InstancePre, ResourceAny};
 
-use super::session::State;
+use super::state::State;
 use super::v1_0::bindings::vertibench::planner::types;
 use super::v1_0::bindings::{PlannerPlugin, PlannerPluginPre};
 

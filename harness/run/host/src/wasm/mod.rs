@@ -6,6 +6,7 @@ mod engine;
 mod guest_world;
 mod interface;
 mod session;
+mod state;
 mod v1_0;
 mod wasi;
 

@@ -15,7 +15,7 @@ use wasmtime::component::{
 };
 use wasmtime::{Engine, Error, StoreContextMut};
 
-use super::session::{State, pay};
+use super::state::{State, pay};
 use crate::fault::{FaultCause, ProcessEnd};
 
 const INTERFACES: [&str; 27] = [

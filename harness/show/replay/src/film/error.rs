@@ -1,6 +1,6 @@
 //! Why there is no film.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use vb_figure::FigureError;
 use vb_render::RenderError;
@@ -66,4 +66,8 @@ pub enum FilmError {
     Run { run: String, task: TaskId, reason: &'static str },
     #[error(transparent)]
     Caption(#[from] FigureError),
+}
+
+pub(crate) fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> FilmError {
+    FilmError::Write { path: path.to_owned(), reason: reason.to_string() }
 }

@@ -7,8 +7,9 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use vb_files::NewFile;
 use vb_render::Size;
 
-use crate::film::video::cannot_write;
-use crate::film::{FilmError, VideoFormat};
+use crate::film::FilmError;
+use crate::film::error::cannot_write;
+use crate::film::format::VideoFormat;
 
 /// The program, which is looked for on the PATH.
 const PROGRAM: &str = "ffmpeg";

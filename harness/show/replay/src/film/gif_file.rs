@@ -5,7 +5,8 @@ use std::path::Path;
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
-use crate::film::video::{cannot_write, in_order};
+use crate::film::error::cannot_write;
+use crate::film::ordered::in_order;
 use crate::film::{Film, FilmError, Schedule};
 
 /// Colours of the file; the one after the last of them is clear, and stands for a pixel that stays as it is.

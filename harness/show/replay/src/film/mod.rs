@@ -9,9 +9,11 @@ mod camera;
 mod caption;
 mod error;
 mod ffmpeg;
+mod format;
 mod frames;
 mod gif_file;
 mod layout;
+mod ordered;
 mod panel;
 mod ruts;
 mod schedule;
@@ -19,8 +21,9 @@ mod video;
 
 pub use camera::Camera;
 pub use error::FilmError;
+pub use format::VideoFormat;
 pub use frames::{Film, Style};
 pub use schedule::{Course, Schedule};
-pub use video::{VideoFormat, write_picture, write_video};
+pub use video::{write_picture, write_video};
 
 type V3 = nalgebra::Vector3<f64>;

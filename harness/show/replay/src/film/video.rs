@@ -4,62 +4,12 @@ use std::path::Path;
 
 use vb_render::Size;
 
+use crate::film::error::cannot_write;
+use crate::film::format::VideoFormat;
+use crate::film::ordered::in_order;
 use crate::film::{Film, FilmError, Schedule, ffmpeg, gif_file};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VideoFormat {
-    /// GIF: every page and every slide shows it; 255 colours, and large files. It is made here.
-    Gif,
-    /// H.264 in MP4, made by ffmpeg.
-    Mp4,
-    /// VP9 in `WebM`, made by ffmpeg.
-    WebM,
-}
-
 impl VideoFormat {
-    const ALL: [Self; 3] = [Self::Gif, Self::Mp4, Self::WebM];
-
-    /// The format that the end of a file's name says.
-    pub fn of(path: &Path) -> Result<Self, FilmError> {
-        let end = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        let found = Self::ALL.into_iter().find(|f| end.as_deref() == Some(f.extension()));
-        found.ok_or_else(|| FilmError::Format { path: path.to_owned() })
-    }
-
-    pub(crate) fn extension(self) -> &'static str {
-        match self {
-            Self::Gif => "gif",
-            Self::Mp4 => "mp4",
-            Self::WebM => "webm",
-        }
-    }
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Gif => "GIF",
-            Self::Mp4 => "MP4",
-            Self::WebM => "WebM",
-        }
-    }
-
-    /// The number of frames a second if nobody says it, and the size of a frame: a GIF is for pages, and each of its pixels costs. A
-    /// repeated drive has 50 samples a second, so that each frame of a video at 25 is one of them.
-    #[must_use]
-    pub fn usual(self) -> (f64, Size) {
-        match self {
-            Self::Gif => (20.0, Size { width: 640, height: 360 }),
-            Self::Mp4 | Self::WebM => (25.0, Size { width: 1280, height: 720 }),
-        }
-    }
-
-    /// The highest number of frames a second. Viewers show those frames of a GIF slowly that are to stay for less than 0.02 s.
-    fn fastest(self) -> f64 {
-        match self {
-            Self::Gif => 50.0,
-            Self::Mp4 | Self::WebM => 120.0,
-        }
-    }
-
     /// Fails before anything is drawn if a video of this size and rate can't be made here.
     ///
     /// # Errors
@@ -77,10 +27,6 @@ impl VideoFormat {
         }
         ffmpeg::check(self)
     }
-}
-
-pub(crate) fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> FilmError {
-    FilmError::Write { path: path.to_owned(), reason: reason.to_string() }
 }
 
 /// Writes the frame of a moment, s, as PNG.
@@ -127,72 +73,9 @@ pub fn write_video(
     encoder.finish(drawn)
 }
 
-/// Makes something of each moment by several threads, and hands it over in the order of the moments. No more than two of each
-/// thread are held.
-pub(crate) fn in_order<T: Send>(
-    times: &[f64],
-    threads: usize,
-    told: &mut dyn FnMut(usize),
-    make: impl Fn(usize, f64) -> Result<T, FilmError> + Sync,
-    mut take: impl FnMut(T) -> Result<(), FilmError>,
-) -> Result<(), FilmError> {
-    let threads = threads.max(1);
-    let batch = 2 * threads;
-    for (b, times) in times.chunks(batch).enumerate() {
-        let share = times.len().div_ceil(threads);
-        let make = &make;
-        let made: Vec<Result<T, FilmError>> = std::thread::scope(|scope| {
-            let started: Vec<_> = times
-                .chunks(share)
-                .enumerate()
-                .map(|(c, part)| {
-                    let first = b * batch + c * share;
-                    scope.spawn(move || -> Vec<_> {
-                        part.iter().enumerate().map(|(k, time)| make(first + k, *time)).collect()
-                    })
-                })
-                .collect();
-            let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<_>>| {
-                thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            };
-            started.into_iter().flat_map(join).collect()
-        });
-        for (k, item) in made.into_iter().enumerate() {
-            take(item?)?;
-            told(b * batch + k + 1);
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn frames_come_in_order_whatever_the_number_of_threads() {
-        let times: Vec<f64> = (0..23).map(f64::from).collect();
-        for threads in [1, 2, 3, 8] {
-            let (mut taken, mut told) = (Vec::new(), Vec::new());
-            let make = |k: usize, t: f64| Ok((k, t));
-            in_order(&times, threads, &mut |n| told.push(n), make, |pair| {
-                taken.push(pair);
-                Ok(())
-            })
-            .unwrap();
-            let wanted: Vec<(usize, f64)> = times.iter().copied().enumerate().collect();
-            assert_eq!(taken, wanted, "{threads} threads");
-            assert_eq!(told, (1..=23).collect::<Vec<usize>>());
-        }
-    }
-
-    #[test]
-    fn the_name_says_the_format() {
-        let of = |name: &str| VideoFormat::of(Path::new(name)).ok();
-        assert_eq!(of("a/b.GIF"), Some(VideoFormat::Gif));
-        assert_eq!([of("b.mp4"), of("b.webm")], [Some(VideoFormat::Mp4), Some(VideoFormat::WebM)]);
-        assert_eq!([of("gif"), of("b.avi"), of("b.mp4.part")], [None; 3]);
-    }
 
     #[test]
     fn what_a_format_cannot_have_is_refused_before_it_is_drawn() {
