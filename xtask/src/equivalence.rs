@@ -113,7 +113,7 @@ impl Comparison {
             worlds.values().map(|d| 100.0 * d.iter().sum::<f64>() / d.len() as f64).collect();
         let n = means.len() as f64;
         let difference = means.iter().sum::<f64>() / n;
-        let variance = means.iter().map(|d| (d - difference).powi(2)).sum::<f64>() / (n - 1.0);
+        let variance = means.iter().map(|d| (d - difference) * (d - difference)).sum::<f64>() / (n - 1.0);
         Ok(Self {
             rates: successes.map(|s| 100.0 * s / tasks),
             difference,
