@@ -27,6 +27,8 @@ const CHANGES: [(&str, &[&str]); 3] = [
 ];
 /// Difference of success rates up to which they are equivalent, percentage points.
 const MARGIN: f64 = 2.0;
+/// Exit code of a run in which the simulations of some tasks failed.
+const SIM_ERRORS: i32 = 5;
 /// The 95 % quantile of Student's t with [`WORLDS`] - 1 degrees of freedom.
 const QUANTILE: f64 = 1.660;
 
@@ -72,7 +74,15 @@ fn drive(suite: &Path, out: &Path, options: &[&str]) -> Result<Ends, Failure> {
             command.arg("run").arg(default_plugin_dir().join(format!("{planner}.wasm")));
             command.arg("--suite").arg(suite).args(["--tasks", &worlds, "--vehicle", vehicle]);
             command.args(["--trace", "none", "--resume", "--out"]).arg(&run_dir).args(options);
-            run(command.stdout(Stdio::null()).stderr(Stdio::null()))?;
+            // A run in which simulations failed, which count as failures, ends with a code of its own.
+            let code =
+                command.stdout(Stdio::null()).stderr(Stdio::null()).status().ok().and_then(|s| s.code());
+            if !code.is_some_and(|code| [0, SIM_ERRORS].contains(&code)) {
+                return Err(Failure::new(format!(
+                    "{}: vb-harness run failed (see tasks.jsonl)",
+                    run_dir.display()
+                )));
+            }
             for record in records(&run_dir)? {
                 let field = |name: &str| record[name].as_str().unwrap_or_default().to_owned();
                 let outcome = field("outcome");

@@ -58,3 +58,11 @@ pub fn pow(x: f64, y: f64) -> f64 {
 pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
 }
+
+/// `x` within `low` and `high`, as [`f64::clamp`], but `x` itself where a bound is not a number, instead of a panic: a simulation that
+/// diverges is reported as such when its state is checked.
+#[inline]
+#[must_use]
+pub fn clamp(x: f64, low: f64, high: f64) -> f64 {
+    if low <= high { x.clamp(low, high) } else { x }
+}

@@ -229,7 +229,7 @@ impl Wheel<'_> {
             // An edge along the axle is as near all along: its middle under the wheel.
             let level = way.norm_squared() < 1e-12 * edge.norm_squared();
             let part = if level { 0.5 * (low + high) } else { -start.dot(&way) / way.norm_squared() };
-            let part = part.clamp(low, high);
+            let part = vb_math::clamp(part, low, high);
             let arm = start + way * part;
             let distance = arm.norm();
             if nearest.as_ref().is_none_or(|n| distance < n.0) {

@@ -152,7 +152,7 @@ impl Friction {
     /// Adds what ends the slip, within the bound; returns what it added, to be taken from the faster side.
     fn hold(&mut self, slip: f64, mobility: f64, bound: f64) -> f64 {
         let before = self.0;
-        self.0 = (before + slip / mobility).clamp(-bound, bound);
+        self.0 = vb_math::clamp(before + slip / mobility, -bound, bound);
         self.0 - before
     }
 }
@@ -218,7 +218,7 @@ impl Driveline {
         let drag = self.friction(&mut m, &input, wheels.brakes, dt);
         for (i, spin) in wheels.spins.iter_mut().enumerate().filter(|(i, _)| !self.driven[*i]) {
             let momentum = *spin * self.wheel_inertias[i] + dt * wheels.moments[i];
-            let held = momentum.clamp(-dt * wheels.brakes[i], dt * wheels.brakes[i]);
+            let held = vb_math::clamp(momentum, -dt * wheels.brakes[i], dt * wheels.brakes[i]);
             wheels.torques[i] = -held / dt;
             *spin = (momentum - held) / self.wheel_inertias[i];
         }
@@ -339,7 +339,7 @@ impl Driveline {
             let across = 2.0 * x.wheel_inertia * m.half[a];
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
                 let bound = dt * brakes[x.left + side];
-                let p = (0.5 * (both + sign * across)).clamp(-bound, bound);
+                let p = vb_math::clamp(0.5 * (both + sign * across), -bound, bound);
                 brake[2 * a + side].0 = p;
                 m.half[a] -= sign * p * 0.5 * x.wheel_ease;
                 pushed[a] += p;

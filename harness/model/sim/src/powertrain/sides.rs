@@ -68,7 +68,7 @@ impl Side {
     /// The spin after a step of `dt` (s) with this torque of the motors.
     fn after(&self, torque: f64, dt: f64) -> f64 {
         let momentum = self.momentum + dt * torque;
-        (momentum - momentum.clamp(-self.held, self.held)) / self.inertia
+        (momentum - vb_math::clamp(momentum, -self.held, self.held)) / self.inertia
     }
 }
 
@@ -81,8 +81,8 @@ fn allocate(sides: &[Side; 2], t: f64) -> [f64; 2] {
         if k == 0 { a.max(b) } else { a.min(b) }
     };
     let (low, high) = (room(0), room(1));
-    let shift = if low <= high { 0.0_f64.clamp(low, high) } else { 0.5 * (low + high) };
-    [0, 1].map(|i| (wanted[i] + shift).clamp(sides[i].limits[0], sides[i].limits[1]))
+    let shift = if low <= high { vb_math::clamp(0.0, low, high) } else { 0.5 * (low + high) };
+    [0, 1].map(|i| vb_math::clamp(wanted[i] + shift, sides[i].limits[0], sides[i].limits[1]))
 }
 
 /// What the motors did in a step.

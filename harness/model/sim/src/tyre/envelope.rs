@@ -172,7 +172,7 @@ impl Envelope {
         };
         let fraction: [f64; STATIONS] = std::array::from_fn(|k| edge(k + 1) - edge(k));
         let area = |depth: f64| -> f64 {
-            half.iter().zip(&fraction).map(|(h, w)| (h - (r - depth)).clamp(0.0, 2.0 * h) * w).sum()
+            half.iter().zip(&fraction).map(|(h, w)| vb_math::clamp(h - (r - depth), 0.0, 2.0 * h) * w).sum()
         };
         let knots = std::array::from_fn(|k| {
             // Stations come in pairs around the middle one, which is touched first and wholly overlapped last.
@@ -261,7 +261,7 @@ impl Envelope {
             let depth = self.deflection(0.5 * o.area * incline);
             let radial = from_hub(o.below, o.ahead)?;
             let normal = (radial - axis * sideways).normalize();
-            let offset = (reach * reach * sideways / depth.max(1e-6)).clamp(-reach, reach);
+            let offset = vb_math::clamp(reach * reach * sideways / depth.max(1e-6), -reach, reach);
             let point = hub - radial * (self.radius - depth) + axis * offset;
             return Some(Contact { point, normal, depth });
         }
@@ -283,7 +283,7 @@ impl Envelope {
         let depth = self.deflection(0.5 * area);
         let radial = from_hub(below, ahead)?;
         let sideways = -normal.dot(axis) / normal.dot(&radial).max(FLAT);
-        let offset = (reach * reach * sideways / depth.max(1e-6)).clamp(-reach, reach);
+        let offset = vb_math::clamp(reach * reach * sideways / depth.max(1e-6), -reach, reach);
         let point = hub - radial * (self.radius - depth * (level * stiffer)) + axis * offset;
         Some(Contact { point, normal, depth })
     }

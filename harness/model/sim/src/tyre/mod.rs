@@ -191,7 +191,7 @@ impl Tyre {
         }
         let elastic = self.vertical_force(depth.max(0.0));
         // The damper does no more than the spring, so that contacts begin and end without a jump.
-        let load = elastic - (self.damping * motion.velocity.dot(&n)).clamp(-elastic, elastic);
+        let load = elastic - vb_math::clamp(self.damping * motion.velocity.dot(&n), -elastic, elastic);
         if load <= 0.0 {
             *patch = Patch::default();
             return None;

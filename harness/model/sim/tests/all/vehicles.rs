@@ -267,3 +267,25 @@ fn a_vehicle_whose_wheels_lie_unevenly_about_its_middle_is_set_down_along_the_sl
     assert!((s.roll_pitch_yaw().1 + 0.35).abs() < 1e-6, "{}", s.roll_pitch_yaw().1);
     assert!(s.position.z - world.heightfield.height(0.0, 0.0) < 0.8, "{}", s.position.z);
 }
+
+/// A simulation that diverges is an error of the simulation; a panic would count as one of the machine, and the task would not be
+/// scored. The state here is what a diverging step leaves.
+#[test]
+fn a_velocity_that_is_no_number_ends_the_simulation_with_an_error() {
+    for model in vehicles() {
+        for class in [TerrainClass::Concrete, TerrainClass::Mud] {
+            let ground = World::uniform("w", Heightfield::flat(5, 5, 100.0, 0.0), class, 0.6);
+            let soils = crate::common::soils();
+            let mut sim =
+                Simulation::new(scaled(ground, &model), &model, &soils, START, SimOptions::default())
+                    .unwrap();
+            sim.rig().throw([f64::NAN; 3]);
+            let end = sim.advance(Controls { throttle: 0.5, steering: 0.3, ..Controls::default() }, 10);
+            assert!(
+                matches!(end, Err(vb_sim::SimError::Diverged { .. })),
+                "{} on {class:?}: {end:?}",
+                model.spec().name
+            );
+        }
+    }
+}

@@ -55,7 +55,7 @@ impl TrackStep<'_> {
             let lever = axis.dot(&backward.cross(&on_span.force));
             let about = axis.dot(&on_span.moment);
             let behind = if lever.abs() * length > about.abs() { about / lever } else { 0.0 };
-            let behind = behind.clamp(-0.5 * length, 0.5 * length);
+            let behind = vb_math::clamp(behind, -0.5 * length, 0.5 * length);
             let fraction = 0.5 + behind / length;
             let at = turn * V3::new(x, self.track.aside, z) + backward * behind;
             let thrust = -on_span.force.dot(&backward);

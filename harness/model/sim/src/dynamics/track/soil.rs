@@ -55,7 +55,7 @@ impl TrackStep<'_> {
                 // On the wheel before the span that begins further back.
                 let d = &discs[j];
                 let radius = d.radius + face;
-                let ahead = (x - d.centre[0]).clamp(-0.95 * radius, 0.95 * radius);
+                let ahead = vb_math::clamp(x - d.centre[0], -0.95 * radius, 0.95 * radius);
                 let down = (radius * radius - ahead * ahead).sqrt();
                 self.belt.footprint.set(k, level - d.centre[1] + down, ahead / down, rising(j));
                 self.laid.fractions[k] = (j, 0.0);
@@ -84,7 +84,7 @@ impl TrackStep<'_> {
             let force = load - stiffness * span.sag - damping * span.sag_rate;
             span.sag_rate += dt * force / (mass + added + dt * damping + dt * dt * stiffness);
             let sag = span.sag + dt * span.sag_rate;
-            span.sag = sag.clamp(0.0, DEEPEST * course.length);
+            span.sag = vb_math::clamp(sag, 0.0, DEEPEST * course.length);
             if span.sag != sag {
                 span.sag_rate = 0.0;
             }
