@@ -15,7 +15,7 @@ use crate::{build_all, built, default_plugin_dir, target_dir};
 /// Seed and number of worlds of the suite, which no other suite has.
 const SEED: &str = "21";
 const WORLDS: usize = 100;
-/// Vehicles, of which each drives as many consecutive worlds: all levels, and in most of them all kinds of ground.
+/// Vehicles. Each drives the same number of consecutive worlds, in which all levels occur.
 const VEHICLES: [&str; 10] =
     ["artcar", "feda", "gator", "hmmwv", "husky", "jackal", "m113", "man10t", "man5t", "verti4wheeler"];
 const PLANNERS: [&str; 3] = ["pid", "eh", "mppi"];
@@ -32,8 +32,8 @@ const SIM_ERRORS: i32 = 5;
 /// The 95 % quantile of Student's t with [`WORLDS`] - 1 degrees of freedom.
 const QUANTILE: f64 = 1.660;
 
-/// Success and end of each task, by planner and task.
-type Ends = BTreeMap<(&'static str, String), (bool, String)>;
+/// Outcome of each task, by planner and task.
+type Ends = BTreeMap<(&'static str, String), String>;
 
 /// Drives the suite with each setting and prints the differences of success rates with their intervals. Runs that an earlier call
 /// left are continued.
@@ -85,8 +85,7 @@ fn drive(suite: &Path, out: &Path, options: &[&str]) -> Result<Ends, Failure> {
             }
             for record in records(&run_dir)? {
                 let field = |name: &str| record[name].as_str().unwrap_or_default().to_owned();
-                let outcome = field("outcome");
-                ends.insert((planner, field("task")), (outcome == "success", outcome));
+                ends.insert((planner, field("task")), field("outcome"));
             }
         }
     }
@@ -97,8 +96,9 @@ fn drive(suite: &Path, out: &Path, options: &[&str]) -> Result<Ends, Failure> {
 struct Comparison {
     /// Success rates, %.
     rates: [f64; 2],
-    /// Difference of them and half its 90 % confidence interval, percentage points.
+    /// Difference of the rates, percentage points.
     difference: f64,
+    /// Half the width of its 90 % confidence interval, percentage points.
     margin: f64,
     /// Tasks with the same end, %.
     same: f64,
@@ -112,12 +112,12 @@ impl Comparison {
         for (key @ (of, task), before) in base.iter().filter(|((of, _), _)| planner.is_none_or(|p| p == *of))
         {
             let after = other.get(key).ok_or_else(|| Failure::new(format!("{of} has not driven {task}")))?;
-            let [a, b] = [before, after].map(|(success, _)| f64::from(u8::from(*success)));
+            let [a, b] = [before, after].map(|outcome| f64::from(u8::from(outcome == "success")));
             let world = task.split_once('/').map_or(task.as_str(), |(world, _)| world);
             worlds.entry(world).or_default().push(b - a);
             tasks += 1.0;
             successes = [successes[0] + a, successes[1] + b];
-            same += f64::from(u8::from(before.1 == after.1));
+            same += f64::from(u8::from(before == after));
         }
         let means: Vec<f64> =
             worlds.values().map(|d| 100.0 * d.iter().sum::<f64>() / d.len() as f64).collect();
@@ -154,7 +154,7 @@ mod tests {
     fn ends(successes: impl Fn(usize, usize) -> bool) -> Ends {
         let task = |w: usize, t: usize| {
             let outcome = if successes(w, t) { "success" } else { "stuck" };
-            (("pid", format!("w{w:03}/t{t:02}")), (successes(w, t), outcome.to_owned()))
+            (("pid", format!("w{w:03}/t{t:02}")), outcome.to_owned())
         };
         (0..WORLDS).flat_map(|w| (0..10).map(move |t| task(w, t))).collect()
     }

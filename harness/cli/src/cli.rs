@@ -25,7 +25,7 @@ pub(crate) struct Cli {
 }
 
 impl Cli {
-    /// What the program was called with.
+    /// Parses the program's arguments.
     pub(crate) fn of_the_program() -> Result<Self, clap::Error> {
         let args = with_command(std::env::args_os().collect());
         // Help is printed before the options are known.
@@ -34,10 +34,10 @@ impl Cli {
         Self::from_arg_matches(&matches).map_err(|e| e.format(&mut command.clone()))
     }
 
-    /// Does what the program was called for.
+    /// Executes the command.
     ///
     /// # Errors
-    /// What went wrong with the work itself.
+    /// Returns the error of the command.
     pub(crate) fn run(&self) -> Result<(), CliError> {
         output::set_up(self.global);
         self.command.run()

@@ -18,7 +18,7 @@ use crate::args::FormatArgs;
 use crate::error::CliError;
 use crate::{output, places};
 
-/// What can be listed.
+/// Kinds of items that `list` prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Listed {
     /// Suites, for --suite

@@ -1,6 +1,6 @@
 //! The commands. Each has a file or a folder with its arguments and its work; a new one is that file and a line here.
 
-/// Declares a set of commands as an enum for clap, with a method that carries out the one that was given: a line for each,
+/// Declares a set of commands as an enum for clap, with a method that executes the chosen one: a line for each,
 /// `Name(Arguments) => function`, or `Name(Arguments) if feature = "…" => function` where it needs a feature. Attributes are clap's.
 macro_rules! commands {
     ($set:ident $($(#[$about:meta])* $name:ident($args:ty) $(if $needs:meta)? => $run:path,)*) => {
@@ -10,7 +10,7 @@ macro_rules! commands {
         }
 
         impl $set {
-            /// Carries the command out.
+            /// Executes the command.
             pub(crate) fn run(&self) -> Result<(), crate::error::CliError> {
                 match self {
                     $($(#[cfg($needs)])? Self::$name(args) => $run(args),)*

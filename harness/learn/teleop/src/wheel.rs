@@ -1,16 +1,16 @@
-//! The steering wheel, pedals and gear lever that the page sets and the driver reads.
+//! The person's inputs, which the page sets and the driver reads.
 
 use std::sync::{Arc, Mutex};
 
 use vb_files::lock;
 use vb_sdk::Command;
 
-/// What the person does with steering wheel, pedals and gear lever.
+/// Inputs of the person: steering, throttle, brake and gear.
 #[derive(Clone, Debug, Default)]
 pub struct Wheel(Arc<Mutex<Command>>);
 
 impl Wheel {
-    /// Sets it; what is no number counts as 0.
+    /// Sets the inputs; values that are not finite become 0.
     pub fn set(&self, command: Command) {
         let number = |v: f64| if v.is_finite() { v } else { 0.0 };
         let (steering, throttle, brake) =

@@ -86,11 +86,11 @@ impl Grain {
     }
 }
 
-/// By how much the ground at (x, y) is higher than it was at first, m: negative in a rut, positive on a heap, `None` where
-/// nothing has touched it. `Simulation::soil_change` answers this.
+/// Change of the ground's height at (x, y) since the start, m: negative in a rut, positive on a heap, `None` where the ground is
+/// undisturbed (`Simulation::soil_change`).
 pub type Change<'a> = dyn Fn(f64, f64) -> Option<f64> + 'a;
 
-/// What colours depend on beside the canvas.
+/// Inputs of colours in addition to the canvas.
 pub(crate) struct Look<'a> {
     pub(crate) texture: &'a Texture,
     pub(crate) grain: &'a Grain,

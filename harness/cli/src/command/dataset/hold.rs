@@ -58,7 +58,7 @@ pub(crate) struct SplitArgs {
     pub(crate) format: FormatArgs,
 }
 
-/// A part of a dataset, e.g. `train=0.8`. Whether the parts make sense is told when they are all known.
+/// Parses a part of a dataset, e.g. `train=0.8`. `vb_dataset::split` validates the parts together.
 fn part(text: &str) -> Result<Part, String> {
     let (name, fraction) = key_value(text)?;
     Ok(Part { name, fraction: positive(&fraction)? })

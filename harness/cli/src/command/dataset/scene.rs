@@ -18,7 +18,7 @@ use crate::command::suite;
 use crate::error::CliError;
 use crate::places;
 
-/// What the datasets that are driven have in common.
+/// Options of the commands that record datasets.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// Directory for the dataset

@@ -81,7 +81,7 @@ fn allocate(sides: &[Side; 2], t: f64) -> [f64; 2] {
         if k == 0 { a.max(b) } else { a.min(b) }
     };
     let (low, high) = (room(0), room(1));
-    let shift = if low <= high { vb_math::clamp(0.0, low, high) } else { 0.5 * (low + high) };
+    let shift = if low <= high { 0.0_f64.clamp(low, high) } else { 0.5 * (low + high) };
     [0, 1].map(|i| vb_math::clamp(wanted[i] + shift, sides[i].limits[0], sides[i].limits[1]))
 }
 

@@ -1,4 +1,4 @@
-//! What a session's host functions work on: its log, its WASI state, and its memory limits.
+//! State of a session that its host functions access: log, WASI state, memory limits.
 
 use vb_sdk::Task;
 use wasmtime::{Error, ResourceLimiter, StoreContextMut, Trap};
@@ -17,7 +17,7 @@ const INSTANCES: usize = 256;
 /// A panic's text begins so, as Rust prints it.
 pub(super) const PANIC_PREFIX: &str = "panicked at ";
 
-/// What the host functions of a session work on.
+/// State of a session that its host functions access.
 pub(super) struct State {
     pub(super) log: Log,
     pub(super) wasi: Wasi,
@@ -76,7 +76,7 @@ pub(super) struct MemoryLimiter {
     pub(super) used: usize,
     pub(super) table_limit: usize,
     table_used: usize,
-    /// What was refused last: what, and how much there would have been.
+    /// The last refused growth: the resource and its total size after the growth, bytes or elements.
     pub(super) refused: Option<(Resource, u64)>,
 }
 
@@ -117,7 +117,7 @@ impl ResourceLimiter for MemoryLimiter {
         Ok(true)
     }
 
-    /// What the limits allow and the machine refuses is no affair of the planner's: it doesn't learn of it.
+    /// Returns an error of the host if the system refuses memory within the limits: the planner must not observe it.
     fn memory_grow_failed(&mut self, error: Error) -> wasmtime::Result<()> {
         if is_of_the_system(&error) { Err(error) } else { Ok(()) }
     }
